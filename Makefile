@@ -1,0 +1,37 @@
+# `make run`   sets up, runs decks/anvil and draws it        `make test`      sets up, all tests of a normal day
+# `make lint`  ruff, lint and format                         `make test-all`  the slow ones too
+# `make docs`  the deck reference from the registry          `make clean`     removes what make made
+
+PYTHON ?= python3
+VENV   ?= .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+
+.PHONY: run test test-all lint docs clean setup
+
+setup: $(READY)
+
+$(READY): pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[postproc,test]'
+	touch $(READY)
+
+run: $(READY)
+	$(BIN)/flowgmo run decks/anvil/anvil.nml --overwrite
+	$(BIN)/flowgmo-postproc report decks/anvil/anvil.out
+
+test: $(READY)
+	$(BIN)/python -m pytest -n 2 -m "not slow"
+
+test-all: $(READY)
+	$(BIN)/python -m pytest -n 2
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+docs: $(READY)
+	$(BIN)/python -m flowgmo.deck.reference > docs/deck-reference.md
+
+clean:
+	rm -rf $(VENV) build *.egg-info decks/*/*.out

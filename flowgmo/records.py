@@ -1,0 +1,59 @@
+"""What a step reports besides the new State: rows of history asked for inside it, and impacts.
+
+Rows are exact states at the asked times in a dry scene. n bodies (deck number minus one), k rows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+REGIMES = ("slip", "stick", "reversal", "jam", "cluster", "rest", "limit")
+SLIP, STICK, REVERSAL, JAM, CLUSTER, REST, LIMIT = range(len(REGIMES))
+
+#: One impact. a, b: component numbers; -1 .. -6 domain sides Xmin .. Zmax; 0 a stop. normal: unit, from b to a.
+#: impulse on a, space axes. cluster: shared number of one cluster. count: bounces that a closed series stands for.
+IMPACT = np.dtype(
+    [
+        ("time", "f8"),
+        ("a", "i4"),
+        ("b", "i4"),
+        ("point", "f8", 3),
+        ("normal", "f8", 3),
+        ("impulse", "f8", 3),
+        ("e", "f8"),
+        ("mu", "f8"),
+        ("regime", "i4"),
+        ("energy_loss", "f8"),
+        ("cluster", "i8"),
+        ("count", "i8"),
+    ]
+)
+
+
+@dataclass
+class Rows:
+    """History rows; per-body arrays hold stationary bodies too. None: the scene does not have the quantity.
+
+    t (k,) [time]; p_WB, v_WB (k, n, 3); q_WB (k, n, 4) w x y z, sign continuous; w_WB (k, n, 3) space axes;
+    contact_force (k, n, 3) [force] of persistent contacts; residual_force [force], residual_torque [torque] (k, n, 3):
+    what keeps a prescribed motion, beyond gravity and control loads, the torque about B;
+    kinetic_energy (k, n); energy: name -> (k,), names as in `/energy` of history.h5.
+    """
+
+    t: np.ndarray
+    p_WB: np.ndarray
+    q_WB: np.ndarray
+    v_WB: np.ndarray
+    w_WB: np.ndarray
+    contact_force: np.ndarray | None
+    residual_force: np.ndarray | None
+    residual_torque: np.ndarray | None
+    kinetic_energy: np.ndarray | None
+    energy: dict[str, np.ndarray]
+
+
+def no_impacts() -> np.ndarray:
+    """An empty table of impacts."""
+    return np.zeros(0, IMPACT)

@@ -1,0 +1,87 @@
+"""State: every array that changes during a run. The glossary of what moves.
+
+| symbol  | word                           | shape   | unit          | axes, location      | written by                  |
+|---------|--------------------------------|---------|---------------|---------------------|-----------------------------|
+| t       | time                           | -       | time          |                     | State.advance_clock         |
+| p_WB    | position of B                  | (n, 3)  | length        | space               | move_bodies                 |
+| q_WB    | orientation w x y z            | (n, 4)  | -             | body to space       | move_bodies                 |
+| v_WB    | velocity of B                  | (n, 3)  | length/time   | space               | move_bodies                 |
+| w_WB    | angular velocity               | (n, 3)  | rad/time      | space               | move_bodies                 |
+| angle   | angle turned about a fixed axis| (n,)    | rad           | about the axis      | move_bodies                 |
+| hold    | held at a stop                 | (n, 4)  | -1, 0, +1     | x y z, angle        | move_bodies                 |
+| support | flats a ball rests on          | (n, 3)  | index or -1   |                     | move_bodies                 |
+| books   | energy given and lost          | (BOOKS) | energy        |                     | move_bodies                 |
+
+B is the mass centre, or the reference point of a body without mass (bodies/body.py). Stationary bodies keep their
+rows so that a body's row is its deck number minus one. `fluid` holds the mesh fields (u v w p F V Ax Ay Az, places in
+mesh.py) in a scene with liquid and is None in a dry one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from flowgmo.model import Model
+
+BOOKS = ("impacts", "dissipated", "work_prescribed", "work_loads")
+LOST_IN_IMPACTS, LOST_IN_FRICTION, FROM_PRESCRIBED, FROM_LOADS = range(len(BOOKS))
+
+
+@dataclass
+class State:
+    """One instant of a scene. `restart.h5` holds exactly these fields."""
+
+    t: float
+    step: int
+    landed: float  # time of the last output landing; steps are counted from it so that they do not drift
+    since_landing: int
+    impacts: int
+    p_WB: np.ndarray
+    q_WB: np.ndarray
+    v_WB: np.ndarray
+    w_WB: np.ndarray
+    angle: np.ndarray
+    hold: np.ndarray
+    support: np.ndarray
+    books: np.ndarray
+    fluid: None = None
+
+    def advance_clock(self, t: float, landing: bool) -> None:
+        """Set the time reached [time]; a landing restarts the count of equal steps."""
+        self.t = t
+        self.step += 1
+        self.since_landing += 1
+        if landing:
+            self.landed = t
+            self.since_landing = 0
+
+    def nbytes(self) -> int:
+        """Bytes of all arrays."""
+        return sum(v.nbytes for f in fields(self) if isinstance(v := getattr(self, f.name), np.ndarray))
+
+
+def initial_state(model: Model) -> State:
+    """The state at t = 0: every body where the deck puts it, with its initial velocities."""
+    n = len(model.bodies)
+    state = State(
+        t=0.0,
+        step=0,
+        landed=0.0,
+        since_landing=0,
+        impacts=0,
+        p_WB=np.array([b.origin for b in model.bodies], dtype=float).reshape(n, 3),
+        q_WB=np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
+        v_WB=np.array([b.velocity for b in model.bodies], dtype=float).reshape(n, 3),
+        w_WB=np.array([_initial_spin(b) for b in model.bodies], dtype=float).reshape(n, 3),
+        angle=np.zeros(n),
+        hold=np.zeros((n, 4), dtype=np.int8),
+        support=np.full((n, 3), -1, dtype=np.int32),
+        books=np.zeros(len(BOOKS)),
+    )
+    return state
+
+
+def _initial_spin(body) -> np.ndarray:  # noqa: ANN001 (a Body; body axes are space axes at t = 0)
+    return body.spin if body.axis is None else body.spin[0] * body.axis
