@@ -1,0 +1,196 @@
+"""history.h5: how the bodies moved and collided, one dataset per body and quantity (layout: history_layout.py).
+
+Rows wait in memory and go to the file in one go, each time followed by a flush of HDF5. So the file on the disk is
+complete and readable at any time except for the milliseconds of such a write, also after a killed run; what is lost
+then are the rows since the last `flush()`. The file is only ever appended to, and may be read while a run goes on
+(h5py.File(path, locking=False)).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from flowgmo.mesh import SIDE_NAMES
+from flowgmo.model import Model
+from flowgmo.output import history_layout as layout
+from flowgmo.output.errors import OutputError, make_folder, writing
+from flowgmo.output.units import unit
+from flowgmo.output.software import versions
+from flowgmo.records import IMPACT, REGIMES, Rows
+
+LONGEST_CHUNK = 512  # rows; a vector of 512 rows is 12 kB, enough to read fast and little to waste on a short run
+FULL_BUFFER = 32 << 20  # bytes of rows kept in memory before they are written
+
+
+class History:
+    """The open history of a run. `resume_at` [time]: continue, keep rows up to and including that time."""
+
+    def __init__(self, folder: Path, model: Model, resume_at: float | None = None) -> None:
+        self.path = make_folder(Path(folder)) / "history.h5"
+        self.model = model
+        self._waiting: list[Rows] = []
+        self._waiting_bytes = 0
+        self._impacts: list[np.ndarray] = []
+        self._tables: dict[str, h5py.Dataset] = {}
+        self._has_bodies = False
+        expected = len(model.output.history.times(model.clock.end)) + 1
+        self._chunk = int(np.clip(expected, 16, LONGEST_CHUNK))  # 16: HDF5 pays about 100 bytes for each chunk
+        with writing(self.path):
+            if resume_at is not None and self.path.exists():
+                self._reopen(resume_at)
+            else:
+                self._create()
+
+    def write(self, rows: Rows) -> None:
+        """Add rows; they are in the file at the latest after the next `flush()`."""
+        if len(rows.t) == 0:
+            return
+        self._waiting.append(rows)
+        self._waiting_bytes += rows.p_WB.nbytes * 5  # about five vectors a body
+        if self._waiting_bytes > FULL_BUFFER:
+            self.flush()
+
+    def write_impacts(self, impacts: np.ndarray) -> None:
+        """Add impacts, an array of dtype records.IMPACT."""
+        if len(impacts):
+            self._impacts.append(impacts.copy())
+
+    def flush(self) -> None:
+        """Write what waits. What was given so far survives whatever happens to the run from now on."""
+        with writing(self.path):
+            if self._waiting:
+                self._append_rows(self._waiting)
+                self._waiting, self._waiting_bytes = [], 0
+            if self._impacts:
+                self._append_impacts(np.concatenate(self._impacts))
+                self._impacts = []
+            self._file.flush()
+
+    def close(self) -> None:
+        """Write what waits and close the file; calling it again does nothing."""
+        if not self._file:
+            return
+        try:
+            self.flush()
+        finally:
+            with writing(self.path):
+                self._file.close()
+
+    # ---- the file
+
+    def _create(self) -> None:
+        # libver v108: a newer superblock would mark the file as open for writing and lock out readers after a kill
+        self._file = h5py.File(self.path, "w", libver=("v108", "v108"))
+        model, file = self.model, self._file
+        file.attrs.update({"format": layout.FORMAT, "format_version": layout.FORMAT_VERSION, "title": model.title})
+        file.attrs.update({"units": model.units, "bodies": len(model.bodies)})
+        file.attrs.update({f"version_{name}": value for name, value in versions().items()})
+        file.create_dataset("deck", data=model.resolved_deck or "\n", dtype=h5py.string_dtype())
+        file["deck"].attrs["meaning"] = "complete deck, defaults filled in"
+        self._table("time", (), "time", "", "time of each row")
+        group = file.create_group("collisions")
+        group.attrs["names"] = _party_names(model)
+        group.attrs["meaning"] = "one row per impact; a cluster has one row per contact"
+        for name, (columns, quantity, meaning) in layout.COLLISIONS.items():
+            where = "space axes" if columns else ""
+            self._table(f"collisions/{name}", columns, quantity, where, meaning, IMPACT[name].base)
+        group["regime"].attrs["names"] = list(REGIMES)
+        file.create_group("bodies").attrs["meaning"] = "bodies that move, by their names in the deck (OBSID)"
+        file.create_group("energy").attrs["meaning"] = "books of energy"
+        file.flush()
+
+    def _table(
+        self, name: str, columns: tuple[int, ...], quantity: str, location: str, meaning: str, kind: object = "f8"
+    ) -> h5py.Dataset:
+        """A growing dataset (0, *columns) with its unit, location, and meaning."""
+        table = self._file.create_dataset(
+            name, (0, *columns), kind, maxshape=(None, *columns), chunks=(self._chunk, *columns)
+        )
+        table.attrs["unit"] = unit(quantity, self.model.units)
+        if location:
+            table.attrs["location"] = location
+        table.attrs["meaning"] = meaning
+        self._tables[name] = table
+        return table
+
+    def _create_body_tables(self, rows: Rows) -> None:
+        """Tables of what the first rows hold: None in them means that the scene does not have the quantity."""
+        self._has_bodies = True
+        for body in self.model.moving:
+            group = self._file["bodies"].create_group(body.name)
+            group.attrs.update({"number": body.number, "kind": body.kind, "constraint": body.constraint})
+            if body.mass is not None:
+                group.attrs["mass"] = body.mass.mass
+                group.attrs["mass_unit"] = unit("mass", self.model.units)
+            for column in layout.BODY:
+                if getattr(rows, column.source) is None:
+                    continue
+                name = f"bodies/{body.name}/{column.name}"
+                table = self._table(name, column.columns, column.quantity, column.location, column.meaning)
+                if column.name == "position":
+                    table.attrs["point"] = "reference point" if body.mass is None else "mass centre"
+        for name in rows.energy:
+            self._table(f"energy/{name}", (), "energy", "whole scene", layout.ENERGY.get(name, name))
+
+    def _append_rows(self, waiting: list[Rows]) -> None:
+        if not self._has_bodies:
+            self._create_body_tables(waiting[0])
+        _append(self._tables["time"], np.concatenate([r.t for r in waiting]))
+        for column in layout.BODY:
+            if getattr(waiting[0], column.source) is None:
+                continue
+            values = np.concatenate([getattr(r, column.source) for r in waiting])
+            by_body = np.ascontiguousarray(np.moveaxis(values, 1, 0))
+            for body in self.model.moving:
+                _append(self._tables[f"bodies/{body.name}/{column.name}"], by_body[body.number - 1])
+        for name in waiting[0].energy:
+            _append(self._tables[f"energy/{name}"], np.concatenate([r.energy[name] for r in waiting]))
+
+    def _append_impacts(self, impacts: np.ndarray) -> None:
+        for name in layout.COLLISIONS:
+            _append(self._tables[f"collisions/{name}"], np.ascontiguousarray(impacts[name]))
+
+    def _reopen(self, resume_at: float) -> None:
+        self._file = h5py.File(self.path, "r+", libver=("v108", "v108"))
+        if self._file.attrs.get("format") != layout.FORMAT:
+            self._file.close()
+            raise OutputError(self.path, "it is not a history of flowgmo, so it cannot be continued")
+        self._file.visititems(self._remember)
+        self._has_bodies = any(name.startswith("bodies/") for name in self._tables)
+        if self._has_bodies and set(self._file["bodies"]) != {body.name for body in self.model.moving}:
+            self._file.close()
+            raise OutputError(self.path, "it holds other bodies than the deck, so it cannot be continued")
+        rows = int(np.searchsorted(self._tables["time"][:], resume_at, side="right"))
+        keep = np.flatnonzero(self._tables["collisions/time"][:] <= resume_at)
+        for name, table in self._tables.items():
+            if not name.startswith("collisions/"):
+                table.resize(min(rows, len(table)), axis=0)
+                continue
+            kept = table[:][keep]
+            table.resize(len(keep), axis=0)
+            table[...] = kept
+        self._file.flush()
+
+    def _remember(self, name: str, item: object) -> None:
+        if isinstance(item, h5py.Dataset) and item.maxshape and item.maxshape[0] is None:
+            self._tables[name] = item
+
+
+def _append(table: h5py.Dataset, values: np.ndarray) -> None:
+    """Add rows at the end, past h5py's high-level indexing, which costs more than the writing of a few rows."""
+    start, count = table.shape[0], len(values)
+    values = np.ascontiguousarray(values, dtype=table.dtype)
+    columns = values.shape[1:]
+    table.id.set_extent((start + count, *columns))
+    place = table.id.get_space()
+    place.select_hyperslab((start,) + (0,) * len(columns), values.shape)
+    table.id.write(h5py.h5s.create_simple(values.shape), place, values)
+
+
+def _party_names(model: Model) -> list[str]:
+    """ "number name" of all that may take part in a collision."""
+    sides = [f"{-1 - k} {name}" for k, name in enumerate(SIDE_NAMES)]
+    return [*reversed(sides), "0 limit", *(f"{body.number} {body.name}" for body in model.bodies)]

@@ -1,0 +1,71 @@
+"""What history.h5 holds: one line per dataset. The contract with everyone who reads the file.
+
+columns () for a number per row, (3,) for a vector ...; `source` is the field of `Rows`; `quantity` a key of units.unit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+FORMAT = "flowgmo history"
+FORMAT_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Column:
+    """One dataset (rows, *columns) and its attributes."""
+
+    name: str
+    source: str
+    columns: tuple[int, ...]
+    quantity: str
+    location: str
+    meaning: str
+
+
+BODY = (
+    Column("position", "p_WB", (3,), "length", "space axes", "position of the body's point"),
+    Column("velocity", "v_WB", (3,), "velocity", "space axes, at the body's point", "velocity of the body's point"),
+    Column(
+        "orientation", "q_WB", (4,), "none", "body to space axes",
+        "unit quaternion w x y z; body axes are space axes at t = 0; sign continuous",
+    ),
+    Column("angular_velocity", "w_WB", (3,), "spin", "space axes", "angular velocity"),
+    Column("contact_force", "contact_force", (3,), "force", "space axes", "force of persistent contacts on the body"),
+    Column(
+        "residual_force", "residual_force", (3,), "force", "space axes",
+        "force that keeps a prescribed motion, beyond gravity and control loads",
+    ),
+    Column(
+        "residual_torque", "residual_torque", (3,), "torque", "space axes, about the body's point",
+        "torque that keeps a prescribed motion, beyond control loads",
+    ),
+    Column("kinetic_energy", "kinetic_energy", (), "energy", "whole body", "kinetic energy of the body"),
+)  # fmt: skip
+
+ENERGY = {
+    "kinetic": "kinetic energy of all bodies and the liquid",
+    "potential": "potential energy in gravity",
+    "dissipated": "lost in friction and viscosity since t = 0",
+    "work_prescribed": "given by prescribed motions since t = 0",
+    "work_loads": "given by control loads since t = 0",
+    "work_boundaries": "given by the domain's boundaries since t = 0",
+    "impacts": "lost in impacts since t = 0",
+    "remainder": "what the books of energy miss",
+}
+
+#: Columns of one impact: name -> (columns, quantity, meaning). Types are those of records.IMPACT.
+COLLISIONS = {
+    "time": ((), "time", "time of the impact"),
+    "a": ((), "none", "number of party a; component > 0, domain side < 0, stop 0"),
+    "b": ((), "none", "number of party b; component > 0, domain side < 0, stop 0"),
+    "point": ((3,), "length", "contact point"),
+    "normal": ((3,), "none", "unit normal from b to a"),
+    "impulse": ((3,), "impulse", "impulse on a"),
+    "e": ((), "none", "coefficient of restitution"),
+    "mu": ((), "none", "coefficient of friction"),
+    "regime": ((), "none", "how the impact went; names in the attribute `names`"),
+    "energy_loss": ((), "energy", "kinetic energy lost"),
+    "cluster": ((), "none", "shared number of the contacts resolved together"),
+    "count": ((), "none", "bounces that this row stands for"),
+}

@@ -1,0 +1,134 @@
+"""The log: everything the user sees on the terminal also stands in run.log, there without colours.
+
+On a terminal a bar shows how far a long run is; elsewhere plain lines do, at the deck's intervals but not faster than
+people read. run.log always gets the plain lines.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console, RenderableType
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from flowgmo.model import Model
+from flowgmo.output import log_tables as tables
+from flowgmo.output.errors import make_folder, writing
+from flowgmo.output.software import versions
+
+WIDTH = 110  # columns of run.log
+BAR_AFTER = 1.0  # s of wall time: shorter runs need no bar
+BAR_EVERY = 0.2  # s of wall time between two pictures of the bar
+LINE_EVERY = 2.0  # s of wall time between two plain lines
+
+
+class RunLog:
+    """The log of one run. `resume_at`: append to run.log. `clock` gives wall time [s] (tests bring their own)."""
+
+    def __init__(
+        self,
+        folder: Path,
+        console: Console | None = None,
+        resume_at: float | None = None,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.path = make_folder(Path(folder)) / "run.log"
+        self.console = console or Console(highlight=False)
+        self._clock = clock
+        self._start = clock()
+        self._resumed = resume_at
+        self._bar: Progress | None = None
+        self._next_bar = self._start + BAR_AFTER
+        self._last_line = -np.inf
+        self._line_times = np.zeros(0)
+        self._end = np.nan
+        with writing(self.path):
+            self._text = self.path.open("w" if resume_at is None else "a", encoding="utf-8")
+        self._file = Console(file=self._text, width=WIDTH, color_system=None, force_terminal=False, highlight=False)
+
+    def print(self, *what: RenderableType) -> None:
+        """Print text (rich markup) or a table, on the terminal and in the file."""
+        self.console.print(*what)
+        self._print_to_file(*what)
+
+    def _print_to_file(self, *what: RenderableType) -> None:
+        with writing(self.path):
+            self._file.print(*what)
+            self._text.flush()
+
+    def header(self, model: Model) -> None:
+        """What will be computed: title, domain, bodies, effects, and the notices of the deck."""
+        self._end = model.clock.end
+        self._line_times = model.output.log.times(model.clock.end)
+        self.print(tables.title(model, versions().get("flowgmo", "")))
+        self.print(tables.domain(model))
+        if model.bodies:
+            self.print(tables.bodies(model))
+        self.print(tables.effects(model))
+        for notice in model.notices:
+            self.print(tables.notice(notice))
+        if self._resumed is not None:
+            self.print(f"continued at t = {self._resumed:.6g}")
+        self.print("")
+
+    def progress(self, t: float, step: int, dt: float, impacts: int) -> None:
+        """Say how far the run is; call it after every step, it costs two comparisons when nothing is to be said."""
+        now = self._clock()
+        if now >= self._next_bar and self.console.is_terminal:
+            self._next_bar = now + BAR_EVERY
+            self._draw_bar(t, step, dt, impacts)
+        if now - self._last_line < LINE_EVERY or not self._line_due(t):
+            return
+        self._last_line = now
+        line = f"t {t:<12.6g} step {step:<9} dt {dt:<11.4g} impacts {impacts:<8} wall {_wall(now - self._start)}"
+        self._print_to_file(line)
+        if not self.console.is_terminal:
+            self.console.print(line)
+
+    def _line_due(self, t: float) -> bool:
+        """Whether a log time has been passed since the last line; those passed are used up."""
+        passed = int(np.searchsorted(self._line_times, t, side="right"))
+        self._line_times = self._line_times[passed:]
+        return passed > 0
+
+    def _draw_bar(self, t: float, step: int, dt: float, impacts: int) -> None:
+        if self._bar is None:
+            self._bar = Progress(
+                BarColumn(bar_width=28),
+                TextColumn("{task.percentage:3.0f} %  {task.description}"),
+                TimeRemainingColumn(compact=True),
+                console=self.console,
+                auto_refresh=False,  # no thread beside the solver
+                transient=True,
+            )
+            self._bar.start()
+            self._task = self._bar.add_task("", total=self._end, completed=self._resumed or 0.0)
+        what = f"t {t:.4g} of {self._end:.4g}   step {step}   dt {dt:.3g}   {impacts} impacts   left"
+        self._bar.update(self._task, completed=t, description=what)
+        self._bar.refresh()
+
+    def footer(self, summary: dict) -> None:
+        """What was computed and what it cost; `summary` as in summary.write_run_json."""
+        self._end_bar()
+        for part in tables.footer(summary):
+            self.print(part)
+
+    def _end_bar(self) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def close(self) -> None:
+        """End the bar and close the file."""
+        self._end_bar()
+        with writing(self.path):
+            self._text.close()
+
+
+def _wall(seconds: float) -> str:
+    minutes, seconds = divmod(seconds, 60)
+    hours, minutes = divmod(int(minutes), 60)
+    return f"{hours:d}:{minutes:02d}:{seconds:04.1f}"

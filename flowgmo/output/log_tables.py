@@ -1,0 +1,141 @@
+"""The tables of the log: what a scene holds before a run, what it cost after."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from rich import box
+from rich.console import RenderableType
+from rich.markup import escape
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from flowgmo.bodies.body import FIXED_AXIS, Body
+from flowgmo.mesh import SIDE_KINDS
+from flowgmo.model import Model
+from flowgmo.output.units import unit
+
+MOST_BODIES = 40  # rows of a table; a rack of bodies does not scroll the rest away
+GAP = (1, 0, 0, 0)
+
+
+def title(model: Model, version: str) -> Text:
+    return Text.assemble((model.title or model.stem, "bold"), (f"   flowgmo {version}", "dim"))
+
+
+def domain(model: Model) -> RenderableType:
+    """Bounds and sides; cells only where something is computed on them."""
+    length, lines = unit("length", model.units), []
+    for axis, name in enumerate("xyz"):
+        lo, hi = model.mesh.bounds[:, axis]
+        kinds = [SIDE_KINDS.get(side.kind, str(side.kind)) for side in model.mesh.sides[2 * axis : 2 * axis + 2]]
+        lines.append(f"  {name}  {lo:.6g} … {hi:.6g} {length}   {' | '.join(kinds)}")
+    nx, ny, nz = model.mesh.blocks[0].shape
+    cells = f"{model.mesh.cells:,} cells ({nx} × {ny} × {nz})" + ("" if model.fluid else ", none computed: no liquid")
+    gravity = ", ".join(f"{g:.6g}" for g in model.gravity)
+    lines.append(f"  {cells};  gravity ({gravity}) {unit('acceleration', model.units)}")
+    lines.append(f"  end at t = {model.clock.end:.6g} {unit('time', model.units)}")
+    return Text("\n".join(lines))
+
+
+def bodies(model: Model) -> RenderableType:
+    table = _table("", "body", "kind", "moves with", (f"mass [{unit('mass', model.units)}]", "right"))
+    table.add_column(f"principal moments [{unit('inertia', model.units)}]", justify="right")
+    for body in model.bodies[:MOST_BODIES]:
+        table.add_row(str(body.number), escape(body.name), body.kind, _freedom(body), *_mass(body))
+    if len(model.bodies) > MOST_BODIES:
+        table.add_row("", f"… and {len(model.bodies) - MOST_BODIES} more")
+    return Padding(table, GAP)
+
+
+def _freedom(body: Body) -> str:
+    return body.constraint if body.moves else "–"
+
+
+def _mass(body: Body) -> tuple[str, str]:
+    if body.mass is None:
+        return "–", "–"
+    mass = f"{body.mass.mass:.6g}"
+    if body.constraint == FIXED_AXIS and body.mass.axis_moment is not None:
+        return mass, f"{body.mass.axis_moment:.6g} about the axis"
+    if body.mass.inertia is None:
+        return mass, "–"
+    return mass, "  ".join(f"{moment:.6g}" for moment in np.linalg.eigvalsh(body.mass.inertia))
+
+
+def effects(model: Model) -> RenderableType:
+    table = _table("effect", "what", "because")
+    for effect in model.effects:
+        table.add_row(effect.name, escape(effect.what), escape(effect.because))
+    if not model.effects:
+        table.add_row("none", "", "")
+    return Padding(table, GAP)
+
+
+def notice(text: str) -> RenderableType:
+    return Text.assemble(("notice  ", "yellow"), text)
+
+
+def footer(summary: dict) -> Iterator[RenderableType]:
+    """The end of the log; keys as in summary.write_run_json, those absent are left out."""
+    colour = {"done": "green", "failed": "red"}.get(summary["status"], "yellow")
+    reason = f": {summary['reason']}" if summary.get("reason") else ""
+    yield Padding(Text.assemble((summary["status"], f"bold {colour}"), reason), GAP)
+    yield _facts(summary)
+    if summary.get("effects"):
+        yield Padding(_effects_cost(summary["effects"]), GAP)
+    if summary.get("energy"):
+        yield Padding(_energy(summary["energy"]), GAP)
+    collisions = summary.get("collisions") or {}
+    if collisions.get("per_body"):
+        yield Padding(_collisions(collisions), GAP)
+    for limit in summary.get("limits") or ():
+        yield notice(str(limit))
+
+
+def _facts(summary: dict) -> RenderableType:
+    wall, steps = summary.get("wall_seconds"), summary.get("steps", 0)
+    facts = [f"t = {summary.get('t', float('nan')):.6g}", f"{steps} steps"]
+    if wall is not None:
+        facts.append(f"{wall:.3g} s wall time" + (f", {1e6 * wall / steps:.3g} µs a step" if steps else ""))
+    if summary.get("peak_memory_bytes"):
+        facts.append(f"peak memory {summary['peak_memory_bytes'] / 2**20:.0f} MiB")
+    if summary.get("volume_error") is not None:
+        facts.append(f"volume error {summary['volume_error']:.2e}")
+    total = (summary.get("collisions") or {}).get("total")
+    if total is not None:
+        facts.append(f"{total} impacts")
+    return Text("  ·  ".join(facts))
+
+
+def _effects_cost(costs: dict) -> Table:
+    table = _table("time in", ("seconds", "right"), ("share", "right"))
+    for name, cost in sorted(costs.items(), key=lambda item: -item[1]["seconds"]):
+        table.add_row(escape(name), f"{cost['seconds']:.3f}", f"{100 * cost['share']:.1f} %")
+    return table
+
+
+def _energy(energy: dict) -> Table:
+    table = _table("energy", ("", "right"))
+    for name, value in energy.items():
+        table.add_row(name.replace("_", " "), "–" if value is None else f"{value:.6g}")
+    return table
+
+
+def _collisions(collisions: dict) -> Table:
+    table = _table("impacts of", ("count", "right"), ("sum of impulses", "right"))
+    for name, of in list(collisions["per_body"].items())[:MOST_BODIES]:
+        table.add_row(escape(name), str(of["count"]), f"{of['impulse']:.6g}")
+    if len(collisions["per_body"]) > MOST_BODIES:
+        table.add_row(f"… and {len(collisions['per_body']) - MOST_BODIES} more")
+    return table
+
+
+def _table(*columns: str | tuple[str, str]) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1), show_edge=False)
+    for column in columns:
+        name, justify = (column, "left") if isinstance(column, str) else column
+        table.add_column(name, justify=justify)
+    return table
