@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from flowgmo.bodies.body import (
@@ -26,53 +24,64 @@ HINGED = 3  # coupled, fixed axis: one equation for the angle
 DRIVEN = 4  # prescribed: integrals of the laws, closed form
 
 
-class Arrays(NamedTuple):
-    """n bodies, k point loads. Arms are in body axes, relative to B unless said otherwise.
+#: One body. Arms are in body axes, relative to B unless said otherwise.
+#: mass 0 where there is none; inertia about B; moments ascending, axes (columns) principal; hinge 0 none, 1 axis,
+#: 2 point; arm from the hinge to B; hinge_moment about the axis; reference the driven point from B; drive, force,
+#: torque laws; point loads first_load <= j < last_load in Laws; lo, hi stops: displacement of B, angle.
+BODY = np.dtype(
+    [
+        ("motion", "i8"),
+        ("mass", "f8"),
+        ("inertia", "f8", (3, 3)),
+        ("moments", "f8", 3),
+        ("axes", "f8", (3, 3)),
+        ("hinge", "i8"),
+        ("point", "f8", 3),
+        ("axis", "f8", 3),
+        ("arm", "f8", 3),
+        ("hinge_moment", "f8"),
+        ("reference", "f8", 3),
+        ("coupled", "i8", 6),
+        ("drive", "i8", 6),
+        ("force", "i8", 3),
+        ("torque", "i8", 3),
+        ("load_in_body", "i8"),
+        ("first_load", "i8"),
+        ("last_load", "i8"),
+        ("lo", "f8", 4),
+        ("hi", "f8", 4),
+        ("stopped", "i8"),
+        ("origin", "f8", 3),
+        ("gravity", "f8", 3),
+    ],
+    align=True,
+)
 
-    motion (n,); mass (n,), 0 where there is none; inertia (n, 3, 3) about B; moments (n, 3) ascending and axes
-    (n, 3, 3) principal; hinge (n,) 0 none, 1 axis, 2 point; point, axis (n, 3) space; arm (n, 3) from the hinge to B;
-    hinge_moment (n,) about the axis; reference (n, 3) the driven point from B; coupled (n, 6); drive (n, 6) laws;
-    force, torque (n, 3) laws, load_in_body (n,); first_load (n + 1,), load_law (k, 3), load_arm (k, 3),
-    load_axes (k,) 1 in body axes; lo, hi (n, 4) stops: displacement of B, angle; origin (n, 3); gravity (3,).
-    """
-
-    motion: np.ndarray
-    mass: np.ndarray
-    inertia: np.ndarray
-    moments: np.ndarray
-    axes: np.ndarray
-    hinge: np.ndarray
-    point: np.ndarray
-    axis: np.ndarray
-    arm: np.ndarray
-    hinge_moment: np.ndarray
-    reference: np.ndarray
-    coupled: np.ndarray
-    drive: np.ndarray
-    force: np.ndarray
-    torque: np.ndarray
-    load_in_body: np.ndarray
-    first_load: np.ndarray
-    load_law: np.ndarray
-    load_arm: np.ndarray
-    load_axes: np.ndarray
-    lo: np.ndarray
-    hi: np.ndarray
-    origin: np.ndarray
-    gravity: np.ndarray
+#: The moving part of the State, one row a body: a kernel gets one array in place of seven.
+POSE = np.dtype(
+    [
+        ("p", "f8", 3),
+        ("q", "f8", 4),
+        ("v", "f8", 3),
+        ("w", "f8", 3),
+        ("angle", "f8"),
+        ("hold", "i8", 4),
+        ("support", "i8", 3),
+    ],
+    align=True,
+)
 
 
-def pack(bodies: tuple[Body, ...], gravity: np.ndarray) -> tuple[Arrays, Laws | None]:
-    """Arrays of all bodies, and their laws; None where every body is stationary or ballistic."""
+def pack(bodies: tuple[Body, ...], gravity: np.ndarray) -> tuple[np.ndarray, Laws | None]:
+    """Bodies (n,) of dtype BODY, and their laws; None where every body is stationary or ballistic."""
     book = LawBook()
-    rows = [_row(body, book) for body in bodies]
-    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {}
-    first, law, arm, in_body = _point_loads(bodies, book)
-    arrays = Arrays(
-        **columns, first_load=first, load_law=law, load_arm=arm, load_axes=in_body, gravity=np.array(gravity, dtype=float)
-    )
-    laws = book.pack() if np.any(arrays.motion > BALLISTIC) else None
-    return arrays, laws
+    arrays = np.zeros(len(bodies), BODY)
+    for row, body in zip(arrays, bodies, strict=True):
+        for name, value in _row(body, book).items():
+            row[name] = value
+        row["gravity"] = gravity
+    _point_loads(arrays, bodies, book)
+    return arrays, book.pack() if np.any(arrays["motion"] > BALLISTIC) else None
 
 
 def _row(body: Body, book: LawBook) -> dict[str, object]:
@@ -107,6 +116,7 @@ def _row(body: Body, book: LawBook) -> dict[str, object]:
         "load_in_body": bool(loads and loads.in_body_axes),
         "lo": np.array([*body.stops.lo, body.stops.angle_lo]),
         "hi": np.array([*body.stops.hi, body.stops.angle_hi]),
+        "stopped": body.stops.any,
         "origin": np.array(body.origin, dtype=float),
     }
 
@@ -133,17 +143,9 @@ def _hinge_moment(body: Body) -> float:
     return float(body.axis @ body.mass.inertia @ body.axis + body.mass.mass * arm @ arm)
 
 
-def _point_loads(bodies: tuple[Body, ...], book: LawBook) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    first, law, arm, in_body = [0], [], [], []
-    for body in bodies:
+def _point_loads(arrays: np.ndarray, bodies: tuple[Body, ...], book: LawBook) -> None:
+    for row, body in zip(arrays, bodies, strict=True):
+        row["first_load"] = book.loads
         for load in body.loads.points if body.loads else ():
-            law.append([book.add(f) for f in load.force])
-            arm.append(load.point - body.origin)
-            in_body.append(load.in_body_axes)
-        first.append(len(law))
-    return (
-        np.array(first, dtype=np.int64),
-        np.array(law, dtype=np.int64).reshape(-1, 3),
-        np.array(arm, dtype=float).reshape(-1, 3),
-        np.array(in_body, dtype=bool),
-    )
+            book.add_load(load, body.origin)
+        row["last_load"] = book.loads

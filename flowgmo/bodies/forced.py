@@ -13,11 +13,22 @@ II.5; coefficients as tabulated in scipy).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy.integrate import DOP853
 
 from flowgmo.bodies.laws import next_kink, rate, value
-from flowgmo.bodies.rotation import cross, dot, norm, product, rotate, turned, unrotate
+from flowgmo.kernel import inner
+from flowgmo.vectors import (
+    add,
+    cross,
+    dot,
+    normalized,
+    product,
+    rotate,
+    scale,
+    sub,
+    turned,
+    unrotate,
+)
 
 _A = np.ascontiguousarray(DOP853.A[: DOP853.n_stages, : DOP853.n_stages])
 _B = np.ascontiguousarray(DOP853.B)
@@ -33,208 +44,269 @@ MAX_SUBSTEPS = 1_000_000  # a step that needs more is given up with an error, no
 X, Q, V, W, LOADS, DRIVE, SIZE = 0, 3, 7, 10, 13, 14, 15
 
 
-@njit(cache=True)
-def loads_on(b, A, laws, t, q, force, torque):
-    """Add gravity and control loads on body b at time t: force (3,) space axes, torque (3,) about B, body axes.
+@inner
+def _three(laws, k, t):
+    """Values of three laws as a triple."""
+    return (value(laws, k[0], t), value(laws, k[1], t), value(laws, k[2], t))
 
-    Returns the control part of both (6,), which the work of the loads needs.
-    """
-    f = np.zeros(3)
-    m = np.zeros(3)
-    for k in range(3):
-        f[k] = value(laws, A.force[b, k], t)
-        m[k] = value(laws, A.torque[b, k], t)
-    if A.load_in_body[b]:
+
+@inner
+def control_loads(body, laws, t, q):
+    """Control force (space axes) and torque about B (body axes) at time t, attitude q; triples."""
+    f = _three(laws, body.force, t)
+    m = _three(laws, body.torque, t)
+    if body.load_in_body:
         f = rotate(q, f)
     else:
         m = unrotate(q, m)
-    for j in range(A.first_load[b], A.first_load[b + 1]):
-        p = np.array([value(laws, A.load_law[j, 0], t), value(laws, A.load_law[j, 1], t), value(laws, A.load_law[j, 2], t)])
-        p_B = p if A.load_axes[j] else unrotate(q, p)
-        f = f + (rotate(q, p) if A.load_axes[j] else p)
-        m = m + cross(A.load_arm[j], p_B)
-    control = np.zeros(6)
-    control[:3] = f
-    control[3:] = m
-    force += f + A.mass[b] * A.gravity
-    torque += m
-    return control
-
-
-@njit(cache=True)
-def accelerations(b, A, laws, t, q, w, free, after):
-    """dv/dt (3,) space axes, dw/dt (3,) body axes, residual force, residual torque, control loads (6,) of body b.
-
-    q, w (3,) body axes; free (6,) True where a component is solved for; the residuals keep the other components;
-    after: at a kink of a prescribed velocity, take the motion behind it, not the one that led there.
-    A torque on a body about a fixed point is about that point.
-    """
-    force = np.zeros(3)
-    torque = np.zeros(3)
-    control = loads_on(b, A, laws, t, q, force, torque)
-    inertia = A.inertia[b]
-    if A.hinge[b] == 2:
-        arm = A.arm[b]
-        inertia = inertia + A.mass[b] * (dot(arm, arm) * np.eye(3) - np.outer(arm, arm))
-        # a force at the mass centre turns about the point; the given total torque is already about it
-        torque = torque + cross(arm, unrotate(q, force))
-        control[3:] += cross(arm, unrotate(q, control[:3]))
-        control[:3] = 0.0
-    dv = np.zeros(3)
-    for k in range(3):
-        dv[k] = force[k] / A.mass[b] if free[k] else rate(laws, A.drive[b, k], t, after)
-    dw = np.zeros(3)
-    for k in range(3):
-        if not free[3 + k]:
-            dw[k] = rate(laws, A.drive[b, 3 + k], t, after)
-    gyro = cross(w, inertia @ w)
-    right = torque - gyro - inertia @ dw
-    matrix = np.eye(3)
-    for i in range(3):
-        if free[3 + i]:
-            for j in range(3):
-                if free[3 + j]:
-                    matrix[i, j] = inertia[i, j]
+    for j in range(body.first_load, body.last_load):
+        load = laws.loads[j]
+        p = _three(laws, load.law, t)
+        if load.in_body:
+            m = add(m, cross(load.arm, p))
+            p = rotate(q, p)
         else:
-            right[i] = 0.0
-    turn = np.linalg.solve(matrix, right)
-    dw = dw + turn
-    residual = np.zeros(6)
-    if A.hinge[b] == 0:
-        residual[:3] = A.mass[b] * dv - force
-    residual[3:] = inertia @ dw + gyro - torque
-    for k in range(6):
-        if free[k]:
-            residual[k] = 0.0
-    return dv, dw, residual, control
+            m = add(m, cross(load.arm, unrotate(q, p)))
+        f = add(f, p)
+    return f, m
 
 
-@njit(cache=True)
-def hinge_acceleration(b, A, laws, t, angle):
-    """d²θ/dt² of a body on a fixed axis, and the control loads' moment about the axis."""
-    a = A.axis[b]
-    q = turned(np.array([1.0, 0.0, 0.0, 0.0]), angle * a)
-    force = np.zeros(3)
-    torque = np.zeros(3)
-    control = loads_on(b, A, laws, t, q, force, torque)
-    arm = rotate(q, A.arm[b])
-    moment = dot(a, cross(arm, force)) + dot(a, rotate(q, torque))
-    given = dot(a, cross(arm, control[:3])) + dot(a, rotate(q, control[3:]))
-    return moment / A.hinge_moment[b], given
+@inner
+def inertia_about(body):
+    """The six different entries xx yy zz xy xz yz of the tensor about B, or about the fixed point (Steiner)."""
+    i = body.inertia
+    xx, yy, zz, xy, xz, yz = i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]
+    if body.hinge == 2:
+        a = body.arm
+        m = body.mass
+        xx += m * (a[1] * a[1] + a[2] * a[2])
+        yy += m * (a[0] * a[0] + a[2] * a[2])
+        zz += m * (a[0] * a[0] + a[1] * a[1])
+        xy -= m * a[0] * a[1]
+        xz -= m * a[0] * a[2]
+        yz -= m * a[1] * a[2]
+    return (xx, yy, zz, xy, xz, yz)
 
 
-@njit(cache=True)
-def _derivative(b, A, laws, t, y, angle, free, after, dy):
-    dy[:] = 0.0
-    if A.hinge[b] == 1:
-        dy[V], given = hinge_acceleration(b, A, laws, t, angle + y[X])
+@inner
+def tensor_times(i, x):
+    """Symmetric tensor (six entries) times triple."""
+    return (
+        i[0] * x[0] + i[3] * x[1] + i[4] * x[2],
+        i[3] * x[0] + i[1] * x[1] + i[5] * x[2],
+        i[4] * x[0] + i[5] * x[1] + i[2] * x[2],
+    )
+
+
+@inner
+def solve_free(i, free, r):
+    """x with (I x)_F = r_F on the free components F, zero elsewhere: the inverse of the free-free block (Cramer)."""
+    f0, f1, f2 = free[3] != 0, free[4] != 0, free[5] != 0
+    a, b, c = (i[0] if f0 else 1.0), (i[1] if f1 else 1.0), (i[2] if f2 else 1.0)
+    d = i[3] if f0 and f1 else 0.0
+    e = i[4] if f0 and f2 else 0.0
+    f = i[5] if f1 and f2 else 0.0
+    r0, r1, r2 = (r[0] if f0 else 0.0), (r[1] if f1 else 0.0), (r[2] if f2 else 0.0)
+    m00, m01, m02 = b * c - f * f, e * f - d * c, d * f - b * e
+    m11, m12, m22 = a * c - e * e, d * e - a * f, a * b - d * d
+    det = a * m00 + d * m01 + e * m02
+    return (
+        (m00 * r0 + m01 * r1 + m02 * r2) / det,
+        (m01 * r0 + m11 * r1 + m12 * r2) / det,
+        (m02 * r0 + m12 * r1 + m22 * r2) / det,
+    )
+
+
+@inner
+def accelerations(body, laws, t, q, w, free, after):
+    """Accelerations of a body and the loads that keep what is prescribed; all triples.
+
+    q, w tuples (w in body axes); free (6,) nonzero where a component is solved for; after: at a kink of a prescribed
+    velocity, take the motion behind it, not the one that led there.
+    Returns dv/dt (space axes), dw/dt (body axes), residual force and torque on the components that are not free,
+    control force and torque. About a fixed point the torques are about that point and there are no forces.
+    """
+    f, m = control_loads(body, laws, t, q)
+    weight = scale(body.mass, body.gravity)
+    force = add(f, weight)
+    torque = m
+    if body.hinge == 2:
+        # a force at the mass centre turns about the point; the given total torque is already about it
+        torque = add(m, cross(body.arm, unrotate(q, force)))
+        m = add(m, cross(body.arm, unrotate(q, f)))
+        f = (0.0, 0.0, 0.0)
+    driven = (
+        0.0 if free[0] else rate(laws, body.drive[0], t, after),
+        0.0 if free[1] else rate(laws, body.drive[1], t, after),
+        0.0 if free[2] else rate(laws, body.drive[2], t, after),
+    )
+    dv = (
+        force[0] / body.mass if free[0] else driven[0],
+        force[1] / body.mass if free[1] else driven[1],
+        force[2] / body.mass if free[2] else driven[2],
+    )
+    dw = (
+        0.0 if free[3] else rate(laws, body.drive[3], t, after),
+        0.0 if free[4] else rate(laws, body.drive[4], t, after),
+        0.0 if free[5] else rate(laws, body.drive[5], t, after),
+    )
+    inertia = inertia_about(body)
+    gyro = cross(w, tensor_times(inertia, w))
+    dw = add(dw, solve_free(inertia, free, sub(sub(torque, gyro), tensor_times(inertia, dw))))
+    lacking = sub(add(tensor_times(inertia, dw), gyro), torque)
+    kept = (
+        0.0 if free[3] else lacking[0],
+        0.0 if free[4] else lacking[1],
+        0.0 if free[5] else lacking[2],
+    )
+    held = (0.0, 0.0, 0.0)
+    if body.hinge == 0:
+        held = (
+            0.0 if free[0] else body.mass * dv[0] - force[0],
+            0.0 if free[1] else body.mass * dv[1] - force[1],
+            0.0 if free[2] else body.mass * dv[2] - force[2],
+        )
+    return dv, dw, held, kept, f, m
+
+
+@inner
+def hinge_acceleration(body, laws, t, angle):
+    """d²θ/dt² of a body on a fixed axis at `angle` [rad], and the control loads' moment about the axis."""
+    a = (body.axis[0], body.axis[1], body.axis[2])
+    q = turned((1.0, 0.0, 0.0, 0.0), scale(angle, a))
+    f, m = control_loads(body, laws, t, q)
+    arm = rotate(q, body.arm)
+    given = dot(a, cross(arm, f)) + dot(a, rotate(q, m))
+    weight = dot(a, cross(arm, scale(body.mass, body.gravity)))
+    return (given + weight) / body.hinge_moment, given
+
+
+@inner
+def _derivative(body, laws, t, y, angle, free, after, dy):
+    for k in range(SIZE):
+        dy[k] = 0.0
+    if body.hinge == 1:
+        bend, given = hinge_acceleration(body, laws, t, angle + y[X])
+        dy[V] = bend
         dy[X] = y[V]
         dy[LOADS] = given * y[V]
         return
-    q = y[Q : Q + 4] / np.sqrt(np.sum(y[Q : Q + 4] ** 2))
-    v = y[V : V + 3].copy()
-    w = y[W : W + 3].copy()
-    for k in range(3):
-        if not free[k]:
-            v[k] = value(laws, A.drive[b, k], t)
-        if not free[3 + k]:
-            w[k] = value(laws, A.drive[b, 3 + k], t)
-    dv = np.zeros(3)
-    dw = np.zeros(3)
-    if A.mass[b] > 0.0:
-        dv, dw, residual, control = accelerations(b, A, laws, t, q, w, free, after)
-        dy[LOADS] = dot(control[:3], v) + dot(control[3:], w)
-        dy[DRIVE] = dot(residual[:3], v) + dot(residual[3:], w)
-    if A.hinge[b] == 0:
-        dy[X : X + 3] = v
-    dy[Q : Q + 4] = 0.5 * product(q, np.array([0.0, w[0], w[1], w[2]]))
-    dy[V : V + 3] = dv
-    dy[W : W + 3] = dw
+    q = normalized((y[Q], y[Q + 1], y[Q + 2], y[Q + 3]))
+    v = (
+        y[V] if free[0] else value(laws, body.drive[0], t),
+        y[V + 1] if free[1] else value(laws, body.drive[1], t),
+        y[V + 2] if free[2] else value(laws, body.drive[2], t),
+    )
+    w = (
+        y[W] if free[3] else value(laws, body.drive[3], t),
+        y[W + 1] if free[4] else value(laws, body.drive[4], t),
+        y[W + 2] if free[5] else value(laws, body.drive[5], t),
+    )
+    if body.mass > 0.0:
+        dv, dw, held, kept, f, m = accelerations(body, laws, t, q, w, free, after)
+        dy[LOADS] = dot(f, v) + dot(m, w)
+        dy[DRIVE] = dot(held, v) + dot(kept, w)
+        for k in range(3):
+            dy[V + k] = dv[k]
+            dy[W + k] = dw[k]
+    if body.hinge == 0:
+        for k in range(3):
+            dy[X + k] = v[k]
+    dq = product(q, (0.0, w[0], w[1], w[2]))
+    for k in range(4):
+        dy[Q + k] = 0.5 * dq[k]
 
 
-@njit(cache=True)
-def _kink_after(b, A, laws, t):
+@inner
+def _kink_after(body, laws, t):
     at = np.inf
     for k in range(6):
-        at = min(at, next_kink(laws, A.drive[b, k], t))
+        at = min(at, next_kink(laws, body.drive[k], t))
     for k in range(3):
-        at = min(at, next_kink(laws, A.force[b, k], t), next_kink(laws, A.torque[b, k], t))
-    for j in range(A.first_load[b], A.first_load[b + 1]):
+        at = min(at, next_kink(laws, body.force[k], t), next_kink(laws, body.torque[k], t))
+    for j in range(body.first_load, body.last_load):
         for k in range(3):
-            at = min(at, next_kink(laws, A.load_law[j, k], t))
+            at = min(at, next_kink(laws, laws.loads[j].law[k], t))
     return at
 
 
-@njit(cache=True)
-def _group(y, i, n):
-    s = 0.0
-    for k in range(i, i + n):
-        s += y[k] * y[k]
-    return np.sqrt(s)
+@inner
+def _group(y, i):
+    """Norm of three components from i on."""
+    return np.sqrt(y[i] * y[i] + y[i + 1] * y[i + 1] + y[i + 2] * y[i + 2])
 
 
-@njit(cache=True)
-def integrate(b, A, laws, t0, t1, y, angle, free):
-    """y (SIZE,) of body b from t0 to t1, in place; `angle` where a fixed-axis body stands at y[X] = 0.
+@inner
+def _error(K, y, step, hinged):
+    """Hairer's error norm of a step, in units of TOLERANCE; 1 is the limit.
 
-    Returns False if the step size collapsed.
+    The error counts against what a group of components is or becomes in the step, so no unit enters; quaternions and
+    a hinge's angle count as they are.
+    """
+    turn = 1.0
+    place = 1.0 if hinged else _group(y, V) * step + _group(K[0], V) * step * step
+    speed = _group(y, V) + (_group(K[0], V) + _group(K[STAGES], V)) * step
+    spin = _group(y, W) + (_group(K[0], W) + _group(K[STAGES], W)) * step
+    err3 = 0.0
+    err5 = 0.0
+    for i in range(LOADS):
+        size = place if i < Q else turn if i < V else speed if i < W else spin
+        if size == 0.0:
+            continue
+        e3 = 0.0
+        e5 = 0.0
+        for j in range(STAGES + 1):
+            e3 += K[j, i] * _E3[j]
+            e5 += K[j, i] * _E5[j]
+        err3 += (e3 / size) ** 2
+        err5 += (e5 / size) ** 2
+    if err5 == 0.0:
+        return 0.0
+    return step * err5 / np.sqrt((err5 + 0.01 * err3) * LOADS) / TOLERANCE
+
+
+@inner
+def integrate(body, laws, t0, t1, y, angle, free):
+    """y (SIZE,) of a body from t0 to t1, in place; `angle` where a fixed-axis body stands at y[X] = 0.
+
+    free (6,): nonzero where a component is solved for. Returns False if the step size collapsed.
     """
     K = np.zeros((STAGES + 1, SIZE))
     work = np.zeros(SIZE)
-    scale = np.ones(SIZE)
+    hinged = body.hinge == 1
     t = t0
     h = t1 - t0
-    _derivative(b, A, laws, t, y, angle, free, True, K[0])
-    fast = _group(y, W, 3) + np.sqrt(_group(K[0], W, 3)) + abs(y[V]) * A.hinge[b] + np.sqrt(abs(K[0, V])) * A.hinge[b]
-    if fast * h > 0.5 and A.hinge[b] > 0 or _group(y, W, 3) * h > 0.5:
+    _derivative(body, laws, t, y, angle, free, True, K[0])
+    fast = _group(y, W) + np.sqrt(_group(K[0], W))
+    if hinged:
+        fast = abs(y[V]) + np.sqrt(abs(K[0, V]))
+    if fast * h > 0.5:
         h = 0.5 / fast  # half a radian at first
     for _ in range(MAX_SUBSTEPS):
         if t >= t1:
             return True
-        kink = _kink_after(b, A, laws, t)
-        stop = min(t1, kink)
+        stop = min(t1, _kink_after(body, laws, t))
         step = min(h, stop - t)
         last = step >= stop - t
-        for i in range(1, STAGES):
-            work[:] = y
-            for j in range(i):
-                if _A[i, j] != 0.0:
-                    work += (step * _A[i, j]) * K[j]
-            _derivative(b, A, laws, t + _C[i] * step, work, angle, free, False, K[i])
-        work[:] = y
-        for j in range(STAGES):
-            if _B[j] != 0.0:
-                work += (step * _B[j]) * K[j]
         end = stop if last else t + step
-        _derivative(b, A, laws, end, work, angle, free, False, K[STAGES])
-        # the error counts against what a group of components is or becomes in the step: no unit enters
-        scale[X : X + 3] = _group(y, V, 3) * step + _group(K[0], V, 3) * step * step
-        if A.hinge[b] == 1:
-            scale[X : X + 3] = 1.0
-        scale[V : V + 3] = _group(y, V, 3) + _group(K[0], V, 3) * step + _group(K[STAGES], V, 3) * step
-        scale[W : W + 3] = _group(y, W, 3) + _group(K[0], W, 3) * step + _group(K[STAGES], W, 3) * step
-        err3 = 0.0
-        err5 = 0.0
-        for i in range(LOADS):
-            e3 = 0.0
-            e5 = 0.0
-            for j in range(STAGES + 1):
-                e3 += K[j, i] * _E3[j]
-                e5 += K[j, i] * _E5[j]
-            if scale[i] > 0.0:
-                err3 += (e3 / (TOLERANCE * scale[i])) ** 2
-                err5 += (e5 / (TOLERANCE * scale[i])) ** 2
-        error = 0.0
-        if err5 > 0.0:
-            error = step * err5 / np.sqrt((err5 + 0.01 * err3) * LOADS)
+        for i in range(1, STAGES + 1):
+            for k in range(SIZE):
+                s = 0.0
+                for j in range(i):
+                    s += (_A[i, j] if i < STAGES else _B[j]) * K[j, k]
+                work[k] = y[k] + step * s
+            at = end if i == STAGES else t + _C[i] * step
+            _derivative(body, laws, at, work, angle, free, False, K[i])
+        error = _error(K, y, step, hinged)
         if not np.isfinite(error):
             return False
         if error <= 1.0:
             t = end
-            y[:] = work
-            K[0] = K[STAGES]
+            for k in range(SIZE):
+                y[k] = work[k]
+                K[0, k] = K[STAGES, k]
             if last and t < t1:
-                _derivative(b, A, laws, t, y, angle, free, True, K[0])
+                _derivative(body, laws, t, y, angle, free, True, K[0])
             grow = 5.0 if error == 0.0 else min(5.0, max(0.3, 0.9 * error**-0.125))
             h = max(h, step * grow) if last else step * grow
         else:

@@ -23,15 +23,28 @@ for the use as a propagator; Abramowitz & Stegun 16.4 and 16.17.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from flowgmo.bodies.rotation import along, dot, from_matrix, rotate, to_matrix, turned, unrotate
+from flowgmo.kernel import inner
+from flowgmo.vectors import (
+    along,
+    cross,
+    dot,
+    from_matrix,
+    norm,
+    rotate,
+    same_sign,
+    scale,
+    times,
+    transposed_times,
+    turned,
+    unrotate,
+)
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 ISOTROPIC = 1e-13  # relative spread of the moments below which the tensor is a multiple of one
 
 
-@njit(cache=True)
+@inner
 def jacobi(u, mc):
     """sn, cn, dn of argument u and complementary parameter mc = 1 - m in [0, 1], by the AGM (A&S 16.4)."""
     if mc <= 0.0:
@@ -71,7 +84,7 @@ def jacobi(u, mc):
     return sn, cn, dn
 
 
-@njit(cache=True)
+@inner
 def _rates(t, A, B, C, sigma, x, y, z, lam, mc, d0):
     """Principal rates x, y, z at time t from those at 0 (formulae above)."""
     if lam == 0.0:
@@ -84,18 +97,17 @@ def _rates(t, A, B, C, sigma, x, y, z, lam, mc, d0):
     return xt, yt, zt
 
 
-@njit(cache=True)
+@inner
 def spin_freely(q, w, moments, axes, dt):
     """Attitude and angular velocity of a torque-free body after dt.
 
-    q (4,), w (3,) [rad/time] space axes, moments (3,) ascending, axes (3, 3) columns: principal axes in body axes,
-    right-handed. Returns q, w. Exact for any dt (see the module's docstring).
+    q (4), w (3) [rad/time] space axes, tuples; moments (3,) ascending, axes (3, 3) columns: principal axes in body
+    axes, right-handed. Returns q, w. Exact for any dt (see the module's docstring).
     """
     spread = moments[2] - moments[0]
     if spread <= ISOTROPIC * moments[2] or dot(w, w) == 0.0:
-        return turned(q, dt * w), w
-    R = to_matrix(q) @ axes
-    wp = axes.T @ unrotate(q, w)
+        return turned(q, scale(dt, w)), w
+    wp = transposed_times(axes, unrotate(q, w))
     i1, i2, i3 = moments[0], moments[1], moments[2]
     about_largest = i3 * (i3 - i2) * wp[2] ** 2 >= i1 * (i2 - i1) * wp[0] ** 2
     if about_largest:
@@ -106,8 +118,7 @@ def spin_freely(q, w, moments, axes, dt):
         x, y, z = wp[2], wp[1], wp[0]
     # with C the smallest moment both differences change sign: P, λ², m are formed from absolute values
     P = B * abs(B - A) * y * y + C * abs(C - A) * z * z
-    lam2 = abs(C - B) * P / (A * B * C)
-    lam = np.sqrt(lam2)
+    lam = np.sqrt(abs(C - B) * P / (A * B * C))
     mc = 1.0
     d0 = 1.0
     if lam > 0.0:
@@ -116,14 +127,11 @@ def spin_freely(q, w, moments, axes, dt):
         d0 = C * abs(C - A) * z * z / P
     L2 = (A * x) ** 2 + (B * y) ** 2 + (C * z) ** 2
     E2 = A * x * x + B * y * y + C * z * z
-    L = np.sqrt(L2)
+    # the axis whose attitude gives ψ: A or C, whichever momentum stays farther from L
+    by_A = A * abs(E2 * C - L2) <= C * P
+    K = A if by_A else C
     panels = max(1, int(np.ceil(2.0 * lam * abs(dt))))  # half a unit of the elliptic argument: 10 points give round-off
     h = dt / panels
-    # the axis whose attitude gives ψ: A or C, whichever momentum stays farther from L
-    far_A = A * abs(E2 * C - L2) / abs(C - A)
-    far_C = C * P / abs(C - A)
-    by_A = far_A <= far_C
-    K = A if by_A else C
     psi = 0.0
     for k in range(panels):
         part = 0.0
@@ -132,35 +140,48 @@ def spin_freely(q, w, moments, axes, dt):
             u = xt if by_A else zt
             part += _WEIGHTS[j] * (E2 - K * u * u) / (L2 - (K * u) ** 2)
         psi += 0.5 * h * part
-    psi *= L
+    psi *= np.sqrt(L2)
     xt, yt, zt = _rates(dt, A, B, C, sigma, x, y, z, lam, mc, d0)
+    wt = (xt, yt, zt) if about_largest else (zt, yt, xt)
     k = 0 if by_A == about_largest else 2
-    wt = np.array([xt, yt, zt]) if about_largest else np.array([zt, yt, xt])
-    start = _momentum_frame(wp * moments, k)
-    stop = _momentum_frame(wt * moments, k)
-    c, s = np.cos(psi), np.sin(psi)
-    about_L = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-    R = R @ start.T @ about_L @ stop
-    q_new = along(from_matrix(R @ axes.T), q)
-    w_new = rotate(q_new, axes @ wt)
+    q_new = _attitude(q, axes, (i1 * wp[0], i2 * wp[1], i3 * wp[2]), (i1 * wt[0], i2 * wt[1], i3 * wt[2]), k, psi)
+    w_new = rotate(q_new, times(axes, wt))
     # rounding in the two turns is biased by about one unit in the last place a step: hold the energy where it is read
-    wp = axes.T @ unrotate(q_new, w_new)
-    return q_new, w_new * np.sqrt(E2 / (moments[0] * wp[0] ** 2 + moments[1] * wp[1] ** 2 + moments[2] * wp[2] ** 2))
+    wp = transposed_times(axes, unrotate(q_new, w_new))
+    return q_new, scale(np.sqrt(E2 / (i1 * wp[0] ** 2 + i2 * wp[1] ** 2 + i3 * wp[2] ** 2)), w_new)
 
 
-@njit(cache=True)
-def _momentum_frame(momentum, k):
-    """Rows: the momentum's direction, the node e_k × L, and their product, in principal components (3, 3)."""
-    m = momentum / np.sqrt(dot(momentum, momentum))
-    n = np.zeros(3)
-    i, j = (k + 1) % 3, (k + 2) % 3
-    r = np.sqrt(m[i] ** 2 + m[j] ** 2)
-    n[i] = -m[j] / r
-    n[j] = m[i] / r
-    out = np.empty((3, 3))
-    out[0] = m
-    out[1] = n
-    out[2, 0] = m[1] * n[2] - m[2] * n[1]
-    out[2, 1] = m[2] * n[0] - m[0] * n[2]
-    out[2, 2] = m[0] * n[1] - m[1] * n[0]
-    return out
+@inner
+def _attitude(q, axes, before, after, k, psi):
+    """The new q: momentum `before` and `after` (principal components) is one vector L in space, and the node
+    e_k × L has turned about it by psi."""
+    m0 = scale(1.0 / norm(before), before)
+    m1 = scale(1.0 / norm(after), after)
+    n0 = _node(m0, k)
+    n1 = _node(m1, k)
+    t1 = cross(m1, n1)
+    L = rotate(q, times(axes, m0))
+    n = rotate(q, times(axes, n0))
+    n = along(scale(np.cos(psi), n), np.sin(psi), cross(L, n))
+    t = cross(L, n)
+    # columns of R: images of the body axes, whose principal components are the rows of `axes`
+    c0 = _image(axes[0], m1, n1, t1, L, n, t)
+    c1 = _image(axes[1], m1, n1, t1, L, n, t)
+    c2 = _image(axes[2], m1, n1, t1, L, n, t)
+    return same_sign(from_matrix(c0[0], c1[0], c2[0], c0[1], c1[1], c2[1], c0[2], c1[2], c2[2]), q)
+
+
+@inner
+def _node(m, k):
+    """Unit vector e_k × m, for a unit m away from e_k, k = 0 or 2."""
+    if k == 0:
+        r = np.sqrt(m[1] ** 2 + m[2] ** 2)
+        return (0.0, -m[2] / r, m[1] / r)
+    r = np.sqrt(m[0] ** 2 + m[1] ** 2)
+    return (-m[1] / r, m[0] / r, 0.0)
+
+
+@inner
+def _image(a, m1, n1, t1, L, n, t):
+    """Where the rotation m1, n1, t1 -> L, n, t takes a (3,)."""
+    return along(along(scale(dot(a, m1), L), dot(a, n1), n), dot(a, t1), t)

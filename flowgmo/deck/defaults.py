@@ -135,7 +135,7 @@ def plane(deck: Values, row: Row, index: tuple[int, ...]) -> float | None:
 
 
 def cells(deck: Values, row: Row, _index: tuple[int, ...]) -> int:
-    """what NXCELL, SIZEX, SIZE, or NTOTAL ask for, else 1"""
+    """what NXCELL, SIZEX, SIZE, or NTOTAL ask for, at least 1 between two planes"""
     letter = row.name[1]
     if counts := deck.indices(f"N{letter}CELL"):
         return sum(deck.at(f"N{letter}CELL", *index) for index in counts)
@@ -143,7 +143,8 @@ def cells(deck: Values, row: Row, _index: tuple[int, ...]) -> int:
     if sizes := deck.indices(f"SIZE{letter}"):
         size = sum(deck.at(f"SIZE{letter}", *index) for index in sizes) / len(sizes)
     parts = _extent(deck, letter) / size if size > 0 else 1.0
-    return max(1, round(parts)) if parts < 2**31 else 1  # a size of nearly 0 is no mesh; the rules speak up
+    least = max((index[0] for index in deck.indices(f"P{letter}")), default=2) - 1
+    return max(1, least, round(min(parts, 2**31 - 1)))
 
 
 def _extent(deck: Values, letter: str) -> float:

@@ -58,6 +58,7 @@ class Row:
     time: str  # the table of times of the first index, "" without one
     sources: str
     meaning: str
+    table: str = ""  # for F<name> and I<name>C: the array that comes from the file
 
     @property
     def key(self) -> str:
@@ -175,11 +176,11 @@ def rows(block: str, table: str) -> Iterator[Row]:
 def external(row: Row) -> Iterator[Row]:
     """The two variables that let a time-dependent array come from a file: F<name> and I<name>C."""
     shared = dict(block=row.block, shape=row.shape[1:], unit="-", not_yet=(), cls=row.cls, needs=row.needs)
-    shared |= dict(switch=row.switch, time="", sources="M", allowed=None)
+    shared |= dict(switch=row.switch, time="", sources="M", allowed=None, table=row.name)
     yield Row(
         name=f"F{row.name}",
         type="char",
-        default="' '",
+        default="''",
         bounds=None,
         meaning=f"file with a table of {row.name}, first column time",
         **shared,

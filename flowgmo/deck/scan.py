@@ -7,17 +7,23 @@ assignments that stand outside any block, a quote without its partner.
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from .errors import Notice, Problem
 from .variables import BLOCKS, REGISTRY
 
-OPENING = re.compile(r"[ \t]*[&$][ \t]*([A-Za-z_]\w*)")
+OPENING = re.compile(r"[ \t]*[&$]([A-Za-z_]\w*)")
 # What matters inside a block: quoted text (a doubled quote stays inside), remarks, the end, a quote without partner.
 MARK = re.compile(r"""'(?:[^']|'')*'|"(?:[^"]|"")*"|!.*|/|[&$][ \t]*end\b|['"]""", re.IGNORECASE)
-ASSIGNMENT = re.compile(r"(?<![\w%.])([A-Za-z_]\w*)\s*(?:\(([^()=\x01]*)\))?\s*=")
+ASSIGNMENT = re.compile(r"(?<![\w%.])([A-Za-z_]\w*+)\s*+(?:\(([^()=\x01]*+)\))?+\s*+=")
 TOKEN = re.compile(r"""(?P<comma>,)|(?:\d+\*)?'(?:[^']|'')*'|(?:\d+\*)?"(?:[^"]|"")*"|[^\s,'"]+""")
+# An assignment in a line outside blocks: free text may hold an equals sign, so a whole literal must follow it.
+OUTSIDE = re.compile(
+    r"""[ \t,/]*([A-Za-z_]\w*)[ \t]*(?:\([ \d,:]*\))?[ \t]*=[ \t]*"""
+    r"""(?:[+-]?[\d.][\w.+*-]*|\.[a-z]+\.|'[^']*'|"[^"]*")[ \t]*(?:[,!/]|$|[A-Za-z_]\w*[ \t]*[(=])""",
+    re.IGNORECASE,
+)
 HIDDEN = "\x01"  # stands for quoted characters in the masked text
 
 
@@ -53,7 +59,7 @@ class Scan:
     # Text outside blocks: one list of (line number, text) before the first block, and one after each.
     outside: list[list[tuple[int, str]]] = field(default_factory=lambda: [[]])
 
-    def problem(self, line: int, block: str, wrong: str, write: str, variable: str = "") -> None:
+    def problem(self, line: int | None, block: str, wrong: str, write: str, variable: str = "") -> None:
         self.problems.append(Problem(self.file, line, block, variable, wrong, write))
 
 
@@ -124,9 +130,8 @@ def _take(found: Scan, block: Block, number: int, line: str) -> int | None:
     else:
         clean.append(line[position:])
         masked.append(line[position:])
-    blanks = [""] * (number - block.line - len(block.clean))
-    block.clean += [*blanks, "".join(clean)]
-    block.masked += [*blanks, "".join(masked)]
+    block.clean.append("".join(clean))
+    block.masked.append("".join(masked))
     return end
 
 
@@ -146,8 +151,8 @@ def assignments(block: Block, found: Scan) -> Iterator[Assignment]:
         shown = head.replace(HIDDEN, "").split("\n")[0].strip()[:40] or "a text"
         offset = len(masked) - len(masked.lstrip(" \t\n,"))
         found.problem(line_at(offset), block.name, f"cannot read {shown}", "Write name=value, values in quotes if text")
-    for match, after in zip(matches, [*matches[1:], None], strict=True):
-        stop = after.start() if after else len(masked)
+    for number, match in enumerate(matches):
+        stop = matches[number + 1].start() if number + 1 < len(matches) else len(masked)
         if (stray := masked.find("=", match.end(), stop)) >= 0:
             line_start = max(masked.rfind("\n", 0, stray), masked.rfind(",", match.end(), stray), match.end() - 1) + 1
             shown = masked[line_start : masked.find("\n", stray) if "\n" in masked[stray:] else stop]
@@ -158,7 +163,7 @@ def assignments(block: Block, found: Scan) -> Iterator[Assignment]:
         yield Assignment(match[1].upper(), match[2], line_at(match.start(1)), tokens)
 
 
-def _tokens(clean: str, start: int, stop: int, line_at) -> list[tuple[str | None, int]]:  # noqa: ANN001
+def _tokens(clean: str, start: int, stop: int, line_at: Callable[[int], int]) -> list[tuple[str | None, int]]:
     """Values between two offsets; commas separate, a comma after a comma leaves a value out."""
     tokens: list[tuple[str | None, int]] = []
     open_place = True  # the next comma has no value before it
@@ -174,9 +179,9 @@ def _tokens(clean: str, start: int, stop: int, line_at) -> list[tuple[str | None
 
 
 def _known_assignment(text: str) -> str:
-    """The deck variable that a line of free text seems to set, or nothing."""
-    match = re.match(r"[ \t,/]*([A-Za-z_]\w*)[ \t]*(?:\([ \d,:]*\))?[ \t]*=", text)
-    return match[1].lower() if match and match[1].upper() in REGISTRY else ""
+    """The deck variable that a line outside blocks sets, or nothing if it is only a text with an equals sign."""
+    match = OUTSIDE.match(text)
+    return match[1].lower() if match and (match[1].upper() in REGISTRY or match[1].upper() == "REMARK") else ""
 
 
 def _lost_block(lines: list[tuple[int, str]], position: int) -> str:
@@ -192,24 +197,15 @@ def _lost_block(lines: list[tuple[int, str]], position: int) -> str:
 
 def _stray_text(found: Scan) -> None:
     """Report text outside blocks that was meant to stand inside one. Tables after a line with # are left alone."""
-    last = len(found.outside) - 1
-    for number, lines in enumerate(found.outside):
+    for lines in found.outside:
         tables = next((i for i, (_, text) in enumerate(lines) if text.lstrip().startswith("#")), len(lines))
         lines = lines[:tables]
         lost = next(((i, name) for i in range(len(lines)) if (name := _lost_block(lines, i))), None)
-        if lost:
-            place, name = lines[lost[0]][0], lost[1]
-            found.problem(place, name, "the block has lost its &", f"Write &{name.lower()}")
-            continue
         stray = next(((place, name) for place, text in lines if (name := _known_assignment(text))), None)
-        if not stray:
-            continue
-        place, name = stray
-        wrong = "the line stands outside any block and is ignored"
-        write = "Move it into its block, above the / that closes the block"
-        closed = any(text.strip().lower() in ("/", "$end", "&end") for _, text in lines)
-        same_line = any(block.line + len(block.clean) - 1 == place for block in found.blocks)
-        if number == 0 or (number == last and not closed and not same_line):
-            found.notices.append(Notice(found.file, place, "", name, wrong))
-        else:
-            found.problem(place, "", wrong, write, variable=name)
+        if lost:
+            name = lost[1]
+            found.problem(lines[lost[0]][0], name, "the block has lost its &", f"Write &{name.lower()}")
+        elif stray:
+            wrong = "the line stands outside any block and would be ignored"
+            write = "Move it into its block, above the / that closes the block, or remove it"
+            found.problem(stray[0], "", wrong, write, variable=stray[1])

@@ -83,7 +83,8 @@ WL WR WF WBK WB WT | int | | - | - | 1 2 3 4 5 6 7 8 9 10 11 | I | old name of I
 
 MESH = """
 = computed
-PX PY PZ | real | plane | @plane | length | | M D1-4 | position of a mesh plane along {axis}; first and last bound the domain
+PX PY PZ | real | plane | @plane | length | | M D1-4 | \
+    position of a mesh plane along {axis}; first and last bound the domain
 NXCELT NYCELT NZCELT | int | | @cells | - | >= 1 | M D1 | number of cells along {axis}
 NXCELL NYCELL NZCELL | int | plane | - | - | >= 1 | M | cells along {axis} between this plane and the next one
 SIZEX SIZEY SIZEZ | real | plane | - | length | > 0 | M | size of the cells along {axis} at this plane
@@ -105,7 +106,8 @@ PYA | real | plane | - | degrees | | M | position of a mesh plane by angle
 
 FL = """
 = computed, needs liquid
-IFLINITTYP | int | | 0 | - | 0 1 2 3* | M D1 D2 D4 | liquid at the start: 0 regions only, 1 up to FLHT, 2 the volume VLIN
+IFLINITTYP | int | | 0 | - | 0 1 2 3* | M D1 D2 D4 | \
+    liquid at the start: 0 regions only, 1 up to FLHT, 2 the volume VLIN
 FLHT | real | | - | length | | M D1 S | height of the liquid at the start
 VLIN | real | | 0.0 | length3 | >= 0 | M D3 | volume of the liquid at the start, surface level
 PVOID | real | | @outside | mass/length/time2 | | M D2-4 | pressure where there is no liquid

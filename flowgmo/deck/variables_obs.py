@@ -70,24 +70,31 @@ CMOX CMOY CMOZ CMOX2 CMOY2 CMOZ2 | real | m | 0.0 | - | | M | axis of that spin
 MOTION = """
 = computed
 IMO | int | m | 0 | - | 0 2* 3 4 | M | motion of a component: 0 none, 3 as prescribed, 4 by the loads on it
-IMOAXS | int | m | 0 | - | 0 1 2 3 4 | M | freedom: 0 all six, 1 2 3 turns about an axis along x y z, 4 turns about a point
+IMOAXS | int | m | 0 | - | 0 1 2 3 4 | M | \
+    freedom: 0 all six, 1 2 3 turns about an axis along x y z, 4 turns about a point
 XAXS0 YAXS0 ZAXS0 | real | m | 0.0 | length | | M D3 | {axis} of a point of the fixed axis, or of the fixed point
-XREF0 YREF0 ZREF0 | real | m | - | length | | M | {axis} of the reference point of a prescribed motion; unset, the centre
+XREF0 YREF0 ZREF0 | real | m | - | length | | M | \
+    {axis} of the reference point of a prescribed motion; unset, the centre
 IUMCAL IVMCAL IWMCAL | int | m | 1 | - | 0 1 | M | IMO=4: velocity along {axis} 1 follows the loads, 0 as prescribed
-IOMXCAL IOMYCAL IOMZCAL | int | m | 1 | - | 0 1 | M | IMO=4: turn about body axis {axis} 1 follows the loads, 0 as prescribed
+IOMXCAL IOMYCAL IOMZCAL | int | m | 1 | - | 0 1 | M | \
+    IMO=4: turn about body axis {axis} 1 follows the loads, 0 as prescribed
 IUPRE IVPRE IWPRE | int | m | 0 | - | 0 1 | M | prescribed velocity along {axis}: 0 constant or table, 1 sinusoid
 IOMXPRE IOMYPRE IOMZPRE | int | m | 0 | - | 0 1 | M | prescribed turn about body axis {axis}: 0 table, 1 sinusoid
 TOBS | real | t | 0.0 | time | | M | times of all tables of &obs
-UTOBS VTOBS WTOBS | real | t:TOBS m | 0.0 | length/time | | M | velocity along {axis}: prescribed, or at t=1 the initial one
-OMXTOBS OMYTOBS OMZTOBS | real | t:TOBS m | 0.0 | radians/time | | M | turn about body axis {axis}: prescribed, or at t=1 initial
+UTOBS VTOBS WTOBS | real | t:TOBS m | 0.0 | length/time | | M | \
+    velocity along {axis}: prescribed, or at t=1 the initial one
+OMXTOBS OMYTOBS OMZTOBS | real | t:TOBS m | 0.0 | radians/time | | M | \
+    turn about body axis {axis}: prescribed, or at t=1 initial
 UAMP VAMP WAMP | real | m | 0.0 | length/time | | M D3 | amplitude of a sinusoidal velocity along {axis}
 UFRE VFRE WFRE | real | m | 0.0 | 1/time | | M D3 | frequency of a sinusoidal velocity along {axis}, cycles
 UPHS VPHS WPHS | real | m | 0.0 | degrees | | M D3 | phase of a sinusoidal velocity along {axis}
 OMXAMP OMYAMP OMZAMP | real | m | 0.0 | radians/time | | M | amplitude of a sinusoidal turn about body axis {axis}
 OMXFRE OMYFRE OMZFRE | real | m | 0.0 | 1/time | | M | frequency of a sinusoidal turn about body axis {axis}, cycles
 OMXPHS OMYPHS OMZPHS | real | m | 0.0 | degrees | | M | phase of a sinusoidal turn about body axis {axis}
-DXMCMIN DYMCMIN DZMCMIN | real | m | 1e19 | length | >= 0 | M | farthest way from the start towards lower {axis}, IMOAXS=0
-DXMCMAX DYMCMAX DZMCMAX | real | m | 1e19 | length | >= 0 | M | farthest way from the start towards higher {axis}, IMOAXS=0
+DXMCMIN DYMCMIN DZMCMIN | real | m | 1e19 | length | >= 0 | M | \
+    farthest way from the start towards lower {axis}, IMOAXS=0
+DXMCMAX DYMCMAX DZMCMAX | real | m | 1e19 | length | >= 0 | M | \
+    farthest way from the start towards higher {axis}, IMOAXS=0
 ANGLMIN ANGLMAX | real | m | 1e19 | degrees | >= 0 | M | largest turn about a fixed axis, {side} side
 = known
 NEVENTS_GMO | int | m | 0 | - | >= 0 | M | number of events that change a prescribed motion
@@ -137,7 +144,8 @@ CDSPN | real | nsp | 1.0 | - | >= 0 | M | drag across a mooring line
 CDSPT | real | nsp | 0.3 | - | >= 0 | M | drag along a mooring line
 NSEGSP | int | nsp | 31 | - | >= 1 | M | segments of a mooring line
 FSPBRK | real | nsp | 1e35 | mass length/time2 | > 0 | M | load at which a mooring line breaks
-XSPMN XSPMX YSPMN YSPMX ZSPMN ZSPMX | real | nsp | @unbounded | length | | M | {side} wall that confines a line in {axis}
+XSPMN XSPMX YSPMN YSPMX ZSPMN ZSPMX | real | nsp | @unbounded | length | | M | \
+    {side} wall that confines a line in {axis}
 IF_SPRP_ENABLED | int | nsp | 1 | - | 0 1 | M | 0 leaves a spring out
 SPRINGNAME | char | nsp | '' | - | | M | name of a spring
 """

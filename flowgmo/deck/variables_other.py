@@ -70,13 +70,17 @@ QVAL_FAVOR | real | | 0.5 | - | | M D3 | open fraction at which solids are drawn
 
 FLOWGMO = """
 = computed
-IMPACT | char | | 'exact' | - | 'exact' 'euler'* | - | one impact: solved exactly, or with fixed steps of the impulse as in the report
+IMPACT | char | | 'exact' | - | 'exact' 'euler'* | - | \
+    one impact: solved exactly, or with fixed steps of the impulse as in the report
 DPFRAC | real | | 0.01 | - | > 0 | - | step of 'euler' as a part of the estimated impulse
-SEARCH | char | | 'surface' | - | 'surface' 'grid'* | - | contacts found on the true surfaces, or at mesh nodes as in the report
-MULTIPLE | char | | 'simultaneous' | - | 'simultaneous' 'sequential'* | - | touching contacts resolved together or in turn
+SEARCH | char | | 'surface' | - | 'surface' 'grid'* | - | \
+    contacts found on the true surfaces, or at mesh nodes as in the report
+MULTIPLE | char | | 'simultaneous' | - | 'simultaneous' 'sequential'* | - | \
+    touching contacts resolved together or in turn
 HERTZ | real | | 1.5 | - | > 0 | - | exponent of the contact law that shares an impact: 1 linear, 1.5 Hertz
 TOUCH | real | | 1e-9 | radii of the smaller body | >= 0 | - | gap that counts as touching
-RESTING | char | | 'constraint' | - | 'constraint' 'micro'* | - | lasting contact: a constraint, or many small collisions
+RESTING | char | | 'constraint' | - | 'constraint' 'micro'* | - | \
+    lasting contact: a constraint, or many small collisions
 SLEEP | logical | | .true. | - | | - | bodies at rest cost nothing
 AXISX AXISY AXISZ | real | m | @axis | - | | - | {axis} of the direction of the fixed axis of a body with IMOAXS=1
 RESTART_DT | real | | 600.0 | seconds of wall time | > 0 | - | interval of restart files
@@ -85,7 +89,8 @@ IGNORE_UNSUPPORTED | logical | | .false. | - | | - | runs although the deck asks
 WETIMPACT | char | | 'wet' | - | 'wet' 'dry' | - | impacts in liquid: with the liquid's inertia or without
 LUBRICATION | logical | | .true. | - | | - | force of the film in narrow gaps; acts with viscosity
 PLANEX PLANEY PLANEZ | real | k | - | length | | - | plane of constant {axis} whose flow is recorded
-PLANEXL PLANEXH PLANEYL PLANEYH PLANEZL PLANEZH | real | k | @unbounded | length | | - | {side} bound of such a plane in {axis}
+PLANEXL PLANEXH PLANEYL PLANEYH PLANEZL PLANEZH | real | k | @unbounded | length | | - | \
+    {side} bound of such a plane in {axis}
 """
 
 TABLES = (

@@ -93,8 +93,10 @@ IFVELP | int | | 0 | - | | M | 1 freezes the flow, 2 leaves it out
 
 NUMERICS = """
 = computed, needs liquid
-IORDER | int | | 3 | - | 0* 1 2* 3 | M D1 S2 | advection of momentum: 1 first order upwind, 3 second order without new extremes
-IFVOF | int | | 6 | - | 0 2* 3 4 5 6 | M D1 D2 D4 | how liquid is moved: 4 donor cell (also 3), 6 surfaces as planes (also 5)
+IORDER | int | | 3 | - | 0* 1 2* 3 | M D1 S2 | \
+    advection of momentum: 1 first order upwind, 3 second order without new extremes
+IFVOF | int | | 6 | - | 0 2* 3 4 5 6 | M D1 D2 D4 | \
+    how liquid is moved: 4 donor cell (also 3), 6 surfaces as planes (also 5)
 IFPK | int | | 0 | - | 0 1* | M D3 | packing of liquid that numerical errors have thinned
 IMPVIS | int | | 0 | - | 0 1 2 3 | M D1 | viscosity: 0 explicit, else implicit
 IFDYNCONV | int | | 1 | - | | M | 1 the pressure tolerance follows the flow

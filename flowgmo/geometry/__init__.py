@@ -3,7 +3,9 @@
 from flowgmo.geometry.component import Component, OrientedBox
 from flowgmo.geometry.errors import GeometryError
 from flowgmo.geometry.moments import MassProperties, check_inertia
+from flowgmo.geometry.overlap import overlap_depth
 from flowgmo.geometry.piece import Limits, Piece, Quadric, Torus
+from flowgmo.geometry.stl import StlMesh, mesh_from, read_stl
 from flowgmo.geometry.transform import Transform
 
 __all__ = [
@@ -14,7 +16,11 @@ __all__ = [
     "OrientedBox",
     "Piece",
     "Quadric",
+    "StlMesh",
     "Torus",
     "Transform",
     "check_inertia",
+    "mesh_from",
+    "overlap_depth",
+    "read_stl",
 ]

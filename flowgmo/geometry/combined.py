@@ -1,7 +1,7 @@
 """Shapes made of others: what several have in common, and a shape under a map that is no similarity.
 
-    all of them   d = max d_k       exact inside; outside a lower bound, exact where one surface is nearest
-    stretched     x = A y:  d = σ_min(A) d_own(y)     a lower bound of the right sign, exact on the surface
+all of them   d = max d_k       exact inside; outside a lower bound, exact where one surface is nearest
+stretched     x = A y:  d = σ_min(A) d_own(y)     a lower bound of the right sign, exact on the surface
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Volume, mass centre, and inertia from the moments of a region.
 
-    V = ∫ dV,  m1 = ∫ x dV,  m2 = ∫ x xᵀ dV;   under x -> A x + b:  V' = |det A| V,  m1' = |det A| (A m1 + b V), ...
-    inertia about the mass centre:  I = ρ (tr(S) 1 - S),  S = m2 - m1 m1ᵀ / V
+V = ∫ dV,  m1 = ∫ x dV,  m2 = ∫ x xᵀ dV;   under x -> A x + b:  V' = |det A| V,  m1' = |det A| (A m1 + b V), ...
+inertia about the mass centre:  I = ρ (tr(S) 1 - S),  S = m2 - m1 m1ᵀ / V
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Quadric:
-    """Inside where c + cx x + cy y + cz z + cxy xy + cxz xz + cyz yz + cx2 x² + cy2 y² + cz2 z² + crxy √(x²+y²) <= 0."""
+    """c + cx x + cy y + cz z + cxy xy + cxz xz + cyz yz + cx2 x² + cy2 y² + cz2 z² + crxy √(x²+y²) <= 0 inside."""
 
     c: float = 0.0
     cx: float = 0.0

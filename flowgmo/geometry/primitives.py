@@ -18,6 +18,7 @@ from typing import Protocol
 import numpy as np
 
 from flowgmo.geometry.moments import Moments
+from flowgmo.geometry.ring_faces import ball_faces
 
 Mesh = tuple[np.ndarray, np.ndarray]  # vertices (v,3), faces (f,3)
 
@@ -66,8 +67,9 @@ class Ball:
     def roots(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:
         return quadratic_roots(d @ d, 2 * x @ d, (x * x).sum(1) - self.radius**2)
 
-    def faces(self, resolution: int) -> None:
-        return None
+    def faces(self, resolution: int) -> Mesh:
+        vertices, faces = ball_faces(resolution)
+        return self.radius * vertices, faces
 
     def describe(self) -> str:
         return f"sphere, radius {self.radius:.6g}"
@@ -165,9 +167,9 @@ def linear_roots(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def quadratic_roots(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Both real t (n,2) with a t² + b t + c = 0; NaN where there is none. Stable form of Press et al. 2007, 5.6."""
+    """Real t (n,2), the smaller first, with a t² + b t + c = 0; NaN where there is none. Press et al. 2007, 5.6."""
     a, b, c = np.broadcast_arrays(a, b, c)
     disc = b * b - 4 * a * c
     q = -(b + np.copysign(np.sqrt(np.maximum(disc, 0)), b)) / 2
     t = np.stack([linear_roots(a, -q), linear_roots(q, -c)], 1)
-    return np.where((disc >= 0)[:, None], t, np.nan)
+    return np.sort(np.where((disc >= 0)[:, None], t, np.nan), axis=1)

@@ -3,8 +3,8 @@
     bound    a r² + k r + e z² + l z + c <= 0        a line, a circle, or a pair of lines
     outline  the parts of all curves on whose two sides the membership differs
 
-Radius, height, sphere, and cone limiters, a torus, and the quadrics of revolution with straight or round section are all
-such bounds, so that every combination of them has its exact outline: cylinder, tube, frustum, spherical cap, sector, ...
+Radius, height, sphere, and cone limiters, a torus, and the quadrics of revolution with straight or round section are
+all such bounds, so that every combination of them has its exact outline: cylinder, tube, frustum, cap, sector, ...
 """
 
 from __future__ import annotations
@@ -37,6 +37,11 @@ class Bound:
         m, q = 1 / stretch, flip / stretch  # r = m r', z = q (z' - z0)
         e, slope = self.e * q * q, self.l * q
         return Bound(self.a * m * m, self.k * m, e, slope - 2 * e * z0, self.c - slope * z0 + e * z0 * z0)
+
+    def scaled(self) -> Bound:
+        """The same bound with a leading coefficient of size one."""
+        size = max(abs(self.a), abs(self.e)) or max(abs(self.k), abs(self.l)) or 1.0
+        return Bound(self.a / size, self.k / size, self.e / size, self.l / size, self.c / size)
 
     def curves(self) -> list[Line | Circle] | None:
         """What the bound lies on; None when it is another conic."""
@@ -141,7 +146,11 @@ class Circle:
             x = (d * d + self.radius**2 - other.radius**2) / (2 * d)
             foot, half, along = self.centre + x * gap / d, self.radius**2 - x * x, np.array([-gap[1], gap[0]]) / d
         reach = np.sqrt(max(half, 0))
-        return np.array([foot - reach * along, foot + reach * along]) if half > -SAME * self.radius**2 else np.empty((0, 2))
+        return (
+            np.array([foot - reach * along, foot + reach * along])
+            if half > -SAME * self.radius**2
+            else np.empty((0, 2))
+        )
 
 
 AXIS = Line(np.zeros(2), np.array([0.0, 1.0]))
@@ -229,7 +238,7 @@ def outline(curves: list[Line | Circle], field: Field, on_axis: bool = False) ->
             sides = np.array([q - SIDE * size * n, q + SIDE * size * n])
             weight = field(np.abs(sides[:, 0]), sides[:, 1]) * ([1, 0] if on_axis else [1, 1])
             if weight[0] != weight[1]:
-                outward = 1.0 if abs(weight[0]) > abs(weight[1]) else -1.0
+                outward = 1.0 if abs(weight[0]) > abs(weight[1]) and not on_axis else -1.0
                 pieces.append(Outline(curve, t0, t1, outward, outward * (weight[0] - weight[1])))
     return pieces
 

@@ -1,8 +1,8 @@
 """Solids of revolution about the z axis, whole or between two azimuths.
 
-    d(x, y, z) = d_outline(√(x² + y²), z)                                         whole turn: exact
-    between azimuths also the two flat faces: d = √(w² + max(d_outline(ρ, z), 0)²), (ρ, w) along and off the face
-    ∫ f dV = ∮ (∫ f r dr) n_r ds over the outline, times the integral over the azimuth (Green)
+d(x, y, z) = d_outline(√(x² + y²), z)                                         whole turn: exact
+between azimuths also the two flat faces: d = √(w² + max(d_outline(ρ, z), 0)²), (ρ, w) along and off the face
+∫ f dV = ∮ (∫ f r dr) n_r ds over the outline, times the integral over the azimuth (Green)
 """
 
 from __future__ import annotations
@@ -57,15 +57,14 @@ class Revolved:
     def half_angle(self) -> float:
         return np.radians(self.angle[1] - self.angle[0]) / 2
 
-    def _polar(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Radius and azimuth from the middle of the range, -π to π."""
+    def _azimuth(self, x: np.ndarray) -> np.ndarray:
+        """Azimuth (n,) from the middle of the range, -π to π."""
         phi = np.arctan2(x[:, 1], x[:, 0]) - np.radians(sum(self.angle) / 2)
-        return np.hypot(x[:, 0], x[:, 1]), np.mod(phi + np.pi, 2 * np.pi) - np.pi
+        return np.mod(phi + np.pi, 2 * np.pi) - np.pi
 
     def inside(self, x: np.ndarray) -> np.ndarray:
-        r, phi = self._polar(x)
-        within = self.field(r, x[:, 2]) != 0
-        return within if self.whole else within & (np.abs(phi) <= self.half_angle)
+        within = self.field(np.hypot(x[:, 0], x[:, 1]), x[:, 2]) != 0
+        return within if self.whole else within & (np.abs(self._azimuth(x)) <= self.half_angle)
 
     def distance(self, x: np.ndarray) -> np.ndarray:
         return self._nearest(x)[0]
@@ -74,21 +73,19 @@ class Revolved:
         return self._nearest(x)[1]
 
     def _nearest(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        r, phi = self._polar(x)
+        r = np.hypot(x[:, 0], x[:, 1])
         sign = np.where(self.inside(x), -1.0, 1.0)
         outward = np.where(r[:, None] > 0, x[:, :2] / np.where(r > 0, r, 1.0)[:, None], [1.0, 0.0])
         d, n = nearest_piece(self.pieces, np.stack([r, x[:, 2]], 1), sign)
         normal = np.column_stack([n[:, :1] * outward, n[:, 1]])
         if not self.whole:
-            d = np.where(np.abs(phi) <= self.half_angle, d, np.inf)
+            d = np.where(np.abs(self._azimuth(x)) <= self.half_angle, d, np.inf)
             for side in (-1.0, 1.0):
-                df, nf = self._face(x, r, phi, side, sign)
+                df, nf = self._face(x, side, sign)
                 normal, d = np.where((df < d)[:, None], nf, normal), np.minimum(d, df)
         return sign * d, normal
 
-    def _face(
-        self, x: np.ndarray, r: np.ndarray, phi: np.ndarray, side: float, sign: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _face(self, x: np.ndarray, side: float, sign: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distance (n,) to one flat face and outward normal (n,3)."""
         turn = np.radians(self.angle[1] if side > 0 else self.angle[0])
         along, off = np.array([np.cos(turn), np.sin(turn)]), side * np.array([-np.sin(turn), np.cos(turn)])
@@ -106,8 +103,8 @@ class Revolved:
         across = float(np.hypot(d[0], d[1]))
         pieces = self.pieces
         if not self.whole:
-            _, phi = self._polar(np.array([d]))
-            across *= float(np.cos(max(abs(phi[0]) - self.half_angle, 0.0)))
+            phi = self._azimuth(np.array([d]))[0]
+            across *= float(np.cos(max(abs(phi) - self.half_angle, 0.0)))
             pieces = pieces + self.axis_pieces
         direction = np.array([across, d[2]])
         far = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
@@ -171,7 +168,7 @@ def _green(piece: Outline) -> np.ndarray:
 
 
 def _bound_roots(bound: Bound, x: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """t where the line x + t d meets a bound: a s + k √s + e z² + l z + c = 0 with s = x² + y², a quartic when squared."""
+    """t where the line x + t d meets a bound: a s + k √s + e z² + l z + c = 0, s = x² + y², a quartic when squared."""
     s = np.stack([np.full(len(x), d[:2] @ d[:2]), 2 * x[:, :2] @ d[:2], (x[:, :2] ** 2).sum(1)])
     z2 = np.stack([np.full(len(x), d[2] ** 2), 2 * x[:, 2] * d[2], x[:, 2] ** 2])
     z1 = np.stack([np.zeros(len(x)), np.full(len(x), d[2]), x[:, 2]])
@@ -188,7 +185,7 @@ def _bound_roots(bound: Bound, x: np.ndarray, d: np.ndarray) -> np.ndarray:
 
 
 def quartic_roots(p: np.ndarray) -> np.ndarray:
-    """Real parts (n,4) of the roots of p[0] t⁴ + ... + p[4], p (5,n); those of complex pairs are harmless extra cuts."""
+    """Real parts (n,4) of the roots of p[0] t⁴ + ... + p[4], p (5,n); of complex pairs they are harmless extra cuts."""
     lead = np.where(np.abs(p[0]) > 1e-14 * np.abs(p).max(0), p[0], np.nan)  # lower degree: no quartic to solve
     companion = np.zeros((p.shape[1], 4, 4))
     companion[:, 0] = np.nan_to_num(-(p[1:] / lead).T)

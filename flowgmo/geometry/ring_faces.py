@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.geometry.profile import Circle, Outline
+from flowgmo.geometry.profile import Bound, Circle, Outline, outline
 
 JOIN = 1e-8  # in sizes: ends of neighbouring pieces are one point
 
@@ -15,7 +15,8 @@ def ring_faces(pieces: list[Outline], size: float, resolution: int) -> tuple[np.
     on_axis = points[:, 0] < JOIN * size
     phi = 2 * np.pi * np.arange(resolution) / resolution
     rings = np.stack(
-        [np.outer(points[:, 0], np.cos(phi)), np.outer(points[:, 0], np.sin(phi)), np.tile(points[:, 1:], resolution)], -1
+        [np.outer(points[:, 0], np.cos(phi)), np.outer(points[:, 0], np.sin(phi)), np.tile(points[:, 1:], resolution)],
+        -1,
     )
     number = np.arange(len(points))[:, None] * resolution + np.where(on_axis[:, None], 0, np.arange(resolution))
     quads = []
@@ -46,7 +47,14 @@ def _polygon(pieces: list[Outline], size: float, resolution: int) -> tuple[np.nd
         steps = max(2, round(resolution * (piece.t1 - piece.t0) / (2 * np.pi))) if arc else 1
         t = np.linspace(piece.t0, piece.t1, steps + 1)
         chain = [number(q) for q in piece.curve.at(t)]
-        # a circle runs counterclockwise, a line has n = (u_z, -u_r): both have n on the right of the direction of travel
+        # a circle runs counterclockwise, a line has n = (u_z, -u_r): both have n on the right of the way
         pairs = list(zip(chain[:-1], chain[1:], strict=True))
         edges += pairs if piece.outward > 0 else [(b, a) for a, b in pairs]
     return np.array(points), edges
+
+
+def ball_faces(resolution: int) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles of the unit ball about the origin."""
+    bound = Bound(a=1.0, e=1.0, c=-1.0)
+    arcs = outline([Circle(np.zeros(2), 1.0)], lambda r, z: (bound.value(r, z) <= 0).astype(float))
+    return ring_faces(arcs, 1.0, resolution)

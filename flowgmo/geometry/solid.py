@@ -1,6 +1,6 @@
 """A shape put in its place: x = s R y + b, y in the shape's own frame.
 
-    d(x) = s d_own(Rᵀ (x - b) / s)          exact under a similarity (rotation, reflection, one magnification)
+d(x) = s d_own(Rᵀ (x - b) / s)          exact under a similarity (rotation, reflection, one magnification)
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Magnify, rotate, translate about a centre.
 
-    y = R M (x - c) + c + t          M = diag(magnification), R = Rz Ry Rx, x first, axes fixed and right-handed
+y = R M (x - c) + c + t          M = diag(magnification), R = Rz Ry Rx, x first, axes fixed and right-handed
 """
 
 from __future__ import annotations

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import re
 
-_QUOTED = re.compile(r"'(?:[^']|'')*'|\"(?:[^\"]|\"\")*\"")
+_QUOTED = re.compile(r"'(?:[^'\n]|'')*'|\"(?:[^\"\n]|\"\")*\"")
 _COMMENT = re.compile(r"!.*")
-_BLOCK = re.compile(r"^\s*[&$]\w+|^\s*/\s*$|^\s*\$end\b", re.MULTILINE | re.IGNORECASE)
+_BLOCK = re.compile(r"^\s*[&$]\w+|/\s*$|^\s*\$end\b", re.MULTILINE | re.IGNORECASE)
+_FIRST = re.compile(r"^\s*[&$]\w", re.MULTILINE)
 _NAME = re.compile(r"([A-Za-z_]\w*\s*(?:\([^()]*\))?)\s*=(?!=)")
 
 
 def assignments(text: str) -> dict[str, str]:
     """`name(index)` in small letters -> value text without spaces; comments, which say where a value is from, ignored.
 
-    Mesh blocks repeat their names: the second X of a deck is x, the third x too, and so on: values are joined.
+    A name given several times (repeated blocks) keeps all its values, joined.
     """
+    first = _FIRST.search(text)
+    text = text[first.start() :] if first else text  # a title may hold anything
     quotes: list[str] = []
 
     def hide(match: re.Match) -> str:

@@ -7,8 +7,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from flowgmo.errors import FlowgmoError
 
-class OutputError(Exception):
+
+class OutputError(FlowgmoError):
     """A result file cannot be written; the text names the file and the reason."""
 
     def __init__(self, path: Path, reason: str) -> None:
@@ -17,7 +19,7 @@ class OutputError(Exception):
         self.reason = reason
 
 
-class RestartError(Exception):
+class RestartError(FlowgmoError):
     """A restart file is missing, damaged, or belongs to another scene."""
 
 

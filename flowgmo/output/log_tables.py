@@ -35,19 +35,21 @@ def domain(model: Model) -> RenderableType:
     nx, ny, nz = model.mesh.blocks[0].shape
     cells = f"{model.mesh.cells:,} cells ({nx} × {ny} × {nz})" + ("" if model.fluid else ", none computed: no liquid")
     gravity = ", ".join(f"{g:.6g}" for g in model.gravity)
-    lines.append(f"  {cells};  gravity ({gravity}) {unit('acceleration', model.units)}")
+    lines.append(f"  {cells}")
+    lines.append(f"  gravity ({gravity}) {unit('acceleration', model.units)}")
     lines.append(f"  end at t = {model.clock.end:.6g} {unit('time', model.units)}")
     return Text("\n".join(lines))
 
 
 def bodies(model: Model) -> RenderableType:
-    table = _table("", "body", "kind", "moves with", (f"mass [{unit('mass', model.units)}]", "right"))
-    table.add_column(f"principal moments [{unit('inertia', model.units)}]", justify="right")
+    mass, inertia = unit("mass", model.units), unit("inertia", model.units)
+    heads = (f"mass [{mass}]", "right"), (f"principal moments [{inertia}]", "right")
+    table = _table("", "body", "kind", "moves with", *heads)
     for body in model.bodies[:MOST_BODIES]:
         table.add_row(str(body.number), escape(body.name), body.kind, _freedom(body), *_mass(body))
     if len(model.bodies) > MOST_BODIES:
         table.add_row("", f"… and {len(model.bodies) - MOST_BODIES} more")
-    return Padding(table, GAP)
+    return _below(table)
 
 
 def _freedom(body: Body) -> str:
@@ -71,35 +73,37 @@ def effects(model: Model) -> RenderableType:
         table.add_row(effect.name, escape(effect.what), escape(effect.because))
     if not model.effects:
         table.add_row("none", "", "")
-    return Padding(table, GAP)
+    return _below(table)
 
 
 def notice(text: str) -> RenderableType:
     return Text.assemble(("notice  ", "yellow"), text)
 
 
-def footer(summary: dict) -> Iterator[RenderableType]:
+def footer(summary: dict, units: str) -> Iterator[RenderableType]:
     """The end of the log; keys as in summary.write_run_json, those absent are left out."""
     colour = {"done": "green", "failed": "red"}.get(summary["status"], "yellow")
     reason = f": {summary['reason']}" if summary.get("reason") else ""
-    yield Padding(Text.assemble((summary["status"], f"bold {colour}"), reason), GAP)
+    yield _below(Text.assemble((summary["status"], f"bold {colour}"), reason))
     yield _facts(summary)
     if summary.get("effects"):
-        yield Padding(_effects_cost(summary["effects"]), GAP)
+        yield _below(_effects_cost(summary["effects"]))
     if summary.get("energy"):
-        yield Padding(_energy(summary["energy"]), GAP)
+        yield _below(_energy(summary["energy"], unit("energy", units)))
     collisions = summary.get("collisions") or {}
     if collisions.get("per_body"):
-        yield Padding(_collisions(collisions), GAP)
-    for limit in summary.get("limits") or ():
-        yield notice(str(limit))
+        yield _below(_collisions(collisions, unit("impulse", units)))
+    limits = summary.get("limits") or ()
+    if limits:
+        yield Text()
+    yield from (notice(str(limit)) for limit in limits)
 
 
 def _facts(summary: dict) -> RenderableType:
     wall, steps = summary.get("wall_seconds"), summary.get("steps", 0)
     facts = [f"t = {summary.get('t', float('nan')):.6g}", f"{steps} steps"]
     if wall is not None:
-        facts.append(f"{wall:.3g} s wall time" + (f", {1e6 * wall / steps:.3g} µs a step" if steps else ""))
+        facts.append(f"{duration(wall)} wall time" + (f", {duration(wall / steps)} a step" if steps else ""))
     if summary.get("peak_memory_bytes"):
         facts.append(f"peak memory {summary['peak_memory_bytes'] / 2**20:.0f} MiB")
     if summary.get("volume_error") is not None:
@@ -117,15 +121,15 @@ def _effects_cost(costs: dict) -> Table:
     return table
 
 
-def _energy(energy: dict) -> Table:
-    table = _table("energy", ("", "right"))
+def _energy(energy: dict, of: str) -> Table:
+    table = _table("energy", (f"[{of}]", "right"))
     for name, value in energy.items():
         table.add_row(name.replace("_", " "), "–" if value is None else f"{value:.6g}")
     return table
 
 
-def _collisions(collisions: dict) -> Table:
-    table = _table("impacts of", ("count", "right"), ("sum of impulses", "right"))
+def _collisions(collisions: dict, of: str) -> Table:
+    table = _table("impacts of", ("count", "right"), (f"sum of impulses [{of}]", "right"))
     for name, of in list(collisions["per_body"].items())[:MOST_BODIES]:
         table.add_row(escape(name), str(of["count"]), f"{of['impulse']:.6g}")
     if len(collisions["per_body"]) > MOST_BODIES:
@@ -133,9 +137,25 @@ def _collisions(collisions: dict) -> Table:
     return table
 
 
+def duration(seconds: float) -> str:
+    """Wall time in the unit that reads best."""
+    if seconds >= 120:
+        minutes, rest = divmod(int(round(seconds)), 60)
+        return f"{minutes // 60} h {minutes % 60} min" if minutes >= 60 else f"{minutes} min {rest} s"
+    for size, name in ((1.0, "s"), (1e-3, "ms")):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {name}"
+    return f"{seconds / 1e-6:.3g} µs"
+
+
+def _below(what: RenderableType) -> RenderableType:
+    """With an empty line above."""
+    return Padding(what, GAP, expand=False)
+
+
 def _table(*columns: str | tuple[str, str]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1), show_edge=False)
     for column in columns:
         name, justify = (column, "left") if isinstance(column, str) else column
-        table.add_column(name, justify=justify)
+        table.add_column(escape(name), justify=justify)
     return table

@@ -50,7 +50,7 @@ class Snapshots:
         if self._times and self._times[-1] == state.t:
             self._times.pop()
         write_polydata(self.folder / self._name(len(self._times)), self._surfaces, state)
-        self._times.append(state.t)
+        self._times.append(float(state.t))
         self._write_times()
 
     @staticmethod
@@ -152,20 +152,19 @@ def write_polydata(path: Path, surfaces: Surfaces, state: State) -> None:
     data.GetCellData().AddArray(array(speed[owner], np.float32, "speed"))
     data.GetFieldData().AddArray(array([state.t], np.float64, "TimeValue"))
     with replacing(path) as temporary:
-        _save(temporary, data)
+        temporary.write_bytes(_encoded(data))
 
 
-def _save(path: Path, data: object) -> None:
-    from vtkmodules.vtkCommonCore import vtkCommand
-    from vtkmodules.vtkCommonMisc import vtkErrorCode
+def _encoded(data: object) -> bytes:
+    """The content of a .vtp file. Python writes it, since VTK prints what fails instead of raising it."""
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
     writer = vtkXMLPolyDataWriter()
-    writer.SetFileName(str(path))
     writer.SetInputData(data)
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
     writer.SetCompressorTypeToZLib()
-    writer.AddObserver(vtkCommand.ErrorEvent, lambda *_: None)  # else VTK prints the error; it is raised below
-    if not writer.Write() or writer.GetErrorCode():
-        raise OSError(vtkErrorCode.GetStringFromErrorCode(writer.GetErrorCode()))
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    content = writer.GetOutputString()  # bytes, or text where they happen to be UTF-8
+    return content.encode() if isinstance(content, str) else content

@@ -217,11 +217,14 @@ def write_crowd(folder: Path, n=6, end=2.0):
         rows.energy[name] = np.cumsum(np.abs(rows.energy[name])) / 500
     history, snapshots, state = History(folder, model), Snapshots(folder, model), initial_state(model)
     history.write(rows)
+    impacts = np.zeros(20 * n, IMPACT)
+    impacts["time"] = np.sort(random.uniform(0.85, 1.5, len(impacts)))
+    impacts["a"], impacts["b"] = random.integers(2, n + 2, len(impacts)), random.integers(-6, 2, len(impacts))
+    impacts["impulse"], impacts["normal"], impacts["count"] = random.normal(size=(len(impacts), 3)), [0, 0, 1], 1
+    history.write_impacts(impacts)
     history.close()
     for k in range(0, 501, 50):
         state.t, state.p_WB, state.q_WB = float(t[k]), rows.p_WB[k], rows.q_WB[k]
         state.v_WB, state.w_WB = rows.v_WB[k], rows.w_WB[k]
         snapshots.write(state)
     return model
-
-

@@ -1,0 +1,211 @@
+"""All impacts inside one step, each at its own time.
+
+    predict the next event of every ball            (search_surface.py, ends of legs)
+    until the step is over: take the earliest event, resolve it (resolve.py), start new legs for the balls it
+    concerned (legs.py), and predict again for them and for those that had them as partner
+
+Events of equal time are taken in the order of the balls' numbers; touching clusters are resolved pair after pair
+until nobody approaches. A ball that would rest on something else than a flat's face ends the run with a reason.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.collision.legs import RESTS, SERIES, copy_row, run_leg, start_leg
+from flowgmo.collision.resolve import (
+    DONE,
+    FAILED,
+    RESTS_ON_ROUND,
+    add_support,
+    end_series,
+    hit_ball,
+    hit_flat,
+    leg_over,
+)
+from flowgmo.collision.resting import series_time
+from flowgmo.collision.search_surface import NEVER, meets_ball, meets_flat
+from flowgmo.kernel import inner, kernel
+from flowgmo.vectors import along, dot, put, triple
+
+# what an event is; NEAR: look again from here
+NOTHING, WITH_BALL, WITH_FLAT, END_OF_LEG, NEAR_BALL, NEAR_FLAT = 0, 1, 2, 3, 4, 5
+STALLED = 2000  # events of one ball in a row at one time: it comes to rest where no closed form exists
+
+#: The next event of a ball: when, what, and with whom (ball or flat).
+EVENT = np.dtype([("at", "f8"), ("what", "i8"), ("whom", "i8"), ("stalls", "i8"), ("changed", "i8")], align=True)
+
+
+@inner
+def _predict_pair(i, j, sc, A, laws, M, L, T, now, end, events, hits):
+    if not sc.pairs[sc.balls[i].body, sc.balls[j].body].allowed:
+        return
+    at, sure = meets_ball(i, j, sc, A, laws, M, L, T, now, end, hits)
+    what = WITH_BALL if sure else NEAR_BALL
+    if at < events[i].at:
+        events[i].at, events[i].what, events[i].whom = at, what, j
+    if at < events[j].at:
+        events[j].at, events[j].what, events[j].whom = at, what, i
+
+
+@inner
+def _predict_alone(i, sc, A, laws, M, L, T, now, end, events, hits):
+    """Ball i's end of leg and its meetings with flats; forgets what was predicted for it before."""
+    event = events[i]
+    leg = L[i]
+    event.at, event.what, event.whom = NEVER, NOTHING, -1
+    if leg.until < end:
+        event.at, event.what = leg.until, END_OF_LEG
+    b = sc.balls[i].body
+    if A[b].motion == 0:
+        return
+    support = M[b].support
+    for f in range(sc.flats.size):
+        if not sc.pairs[b, sc.flats[f].party].allowed:
+            continue
+        if f == support[0] or f == support[1] or f == support[2] or leg.mode == SERIES and leg.flat == f:
+            continue
+        at, sure = meets_flat(i, sc.flats[f], sc, A, laws, M, L, T, now, end, hits)
+        if at < event.at:
+            event.at, event.what, event.whom = at, (WITH_FLAT if sure else NEAR_FLAT), f
+
+
+@inner
+def _predict(i, sc, A, laws, M, L, T, now, end, events, hits):
+    _predict_alone(i, sc, A, laws, M, L, T, now, end, events, hits)
+    for j in range(sc.balls.size):
+        if j != i:
+            _predict_pair(i, j, sc, A, laws, M, L, T, now, end, events, hits)
+
+
+@inner
+def _start(i, sc, A, M, L, t):
+    """Start ball i's next leg at t; a bounce series if the last impact found that it ends within the step."""
+    leg = L[i]
+    if leg.flat < 0:
+        return start_leg(i, sc, A, M, L, t)
+    b = sc.balls[i].body
+    leg.t = t
+    leg.mode = SERIES
+    put(leg.force, (0.0, 0.0, 0.0))
+    leg.until = t + series_time(dot(M[b].v, leg.normal), dot(A[b].gravity, leg.normal), leg.e)
+    leg.why = RESTS
+    return DONE
+
+
+@inner
+def _bring(i, sc, A, laws, M, L, books, now, at_its_end, records, count, hits):
+    """Bring ball i to now; a series is over then, and if at its end the ball stands on its flat."""
+    ball = sc.balls[i]
+    leg = L[i]
+    row = M[ball.body]
+    ok = run_leg(ball, A[ball.body], row, leg, laws, books, now, hits)
+    leg.t = now
+    if leg.mode == SERIES:
+        if at_its_end:
+            n = triple(leg.normal)
+            put(row.v, along(triple(row.v), -dot(row.v, n), n))
+            add_support(row, leg.flat)
+        records = end_series(ball, row, leg, sc, now, records, count)
+    return ok, records
+
+
+@kernel
+def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, rows_books, records, count, events):
+    """Move all balls from t0 to t1 [time] through their impacts.
+
+    A (n,) BODY, M (n,) POSE (changed), L (m,) LEG, T (n,) POSE for scratch, books (4,); asked (k,): times in (t0, t1]
+    whose states of the balls go to rows (k, n) POSE, rows_force (k, n, 3), rows_books (k, 4). Impacts go to
+    records, their number to count (1,). Returns records (grown if needed), status, time, and the two parties of a status that is not DONE.
+    """
+    m = sc.balls.size
+    hits = np.zeros((0, 4))
+    now = t0
+    count[0] = 0
+    for i in range(m):
+        L[i].flat = -1
+        L[i].bounces = 0
+        events[i].stalls = 0
+        events[i].changed = 0
+        status = start_leg(i, sc, A, M, L, t0)
+        if status != DONE:
+            return records, status, t0, sc.balls[i].body, -1
+    for i in range(m):
+        _predict_alone(i, sc, A, laws, M, L, T, t0, t1, events, hits)
+    for i in range(m):
+        for j in range(i + 1, m):
+            _predict_pair(i, j, sc, A, laws, M, L, T, t0, t1, events, hits)
+    row = 0
+    while True:
+        first = -1
+        at = NEVER
+        for i in range(m):
+            if events[i].at < at:
+                first, at = i, events[i].at
+        while row < asked.size and asked[row] < min(at, t1):
+            _fill_row(row, sc, A, laws, M, L, books, asked[row], rows, rows_force, rows_books, hits)
+            row += 1
+        if first < 0 or at >= t1:
+            break
+        events[first].stalls = events[first].stalls + 1 if at <= now else 0
+        now = max(at, now)
+        what, whom = events[first].what, events[first].whom
+        with_ball = what == WITH_BALL or what == NEAR_BALL
+        partner = -1
+        if with_ball:
+            partner = sc.balls[whom].body
+        elif what == WITH_FLAT or what == NEAR_FLAT:
+            partner = sc.flats[whom].party
+        if events[first].stalls > STALLED:
+            return records, RESTS_ON_ROUND, now, sc.balls[first].body, partner
+        events[first].changed = 1
+        if with_ball:
+            events[whom].changed = 1
+        for k in range(m):
+            if events[k].changed:
+                ends = what == END_OF_LEG and L[k].why == RESTS
+                ok, records = _bring(k, sc, A, laws, M, L, books, now, ends, records, count, hits)
+                if not ok:
+                    return records, FAILED, now, sc.balls[k].body, -1
+        status = DONE
+        if what == WITH_FLAT:
+            records, status = hit_flat(first, whom, sc, A, M, L, books, now, t1, records, count)
+        elif what == WITH_BALL:
+            records, status = hit_ball(first, whom, sc, A, M, books, now, records, count)
+        elif what == END_OF_LEG:
+            leg_over(first, sc, M, L)
+        for k in range(m):
+            if status == DONE and events[k].changed:
+                status = _start(k, sc, A, M, L, now)
+        if status != DONE:
+            return records, status, now, sc.balls[first].body, partner
+        for k in range(m):
+            if events[k].changed:
+                _predict(k, sc, A, laws, M, L, T, now, t1, events, hits)
+        for k in range(m):
+            kind = events[k].what
+            if not events[k].changed and (kind == WITH_BALL or kind == NEAR_BALL) and events[events[k].whom].changed:
+                _predict(k, sc, A, laws, M, L, T, now, t1, events, hits)
+        events[first].changed = 0
+        if with_ball:
+            events[whom].changed = 0
+    for i in range(m):
+        ok, records = _bring(i, sc, A, laws, M, L, books, t1, t1 < t0, records, count, hits)
+        if not ok:
+            return records, FAILED, t1, sc.balls[i].body, -1
+    while row < asked.size:
+        _fill_row(row, sc, A, laws, M, L, books, asked[row], rows, rows_force, rows_books, hits)
+        row += 1
+    return records, DONE, t1, -1, -1
+
+
+@inner
+def _fill_row(r, sc, A, laws, M, L, books, t, rows, rows_force, rows_books, hits):
+    """State of all balls at time t, and the books with what the legs in progress have lost by then."""
+    for k in range(books.size):
+        rows_books[r, k] += books[k]
+    for i in range(sc.balls.size):
+        ball = sc.balls[i]
+        copy_row(rows[r, ball.body], M[ball.body])
+        run_leg(ball, A[ball.body], rows[r, ball.body], L[i], laws, rows_books[r], t, hits)
+        put(rows_force[r, ball.body], L[i].force)

@@ -1,0 +1,86 @@
+"""Stage `collisions`: from the Model's contact plan to the event kernel, and its outcome back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flowgmo.bodies.laws import Laws
+from flowgmo.collision import resolve
+from flowgmo.collision.events import EVENT, run_events
+from flowgmo.collision.legs import LEG
+from flowgmo.collision.scene import build_scene
+from flowgmo.errors import StepFailed
+from flowgmo.mesh import SIDE_NAMES
+from flowgmo.model import Model
+from flowgmo.records import IMPACT
+from flowgmo.state import State
+
+if TYPE_CHECKING:
+    from flowgmo.step import World, _Room
+
+
+class Collisions:
+    """The scene's arrays and room to work, made once."""
+
+    def __init__(self, model: Model, arrays: np.ndarray, laws: Laws | None) -> None:
+        self.scene = build_scene(model, arrays, laws)
+        self.legs = np.zeros(len(self.scene.balls), LEG)
+        self.events = np.zeros(len(self.scene.balls), EVENT)
+        self.count = np.zeros(1, dtype=np.int64)
+        self.records = np.zeros((1024, resolve.WIDTH))
+
+
+def move_colliding(world: World, state: State, t1: float, room: _Room) -> None:
+    """Move all balls to t1 [time] through their impacts; records go to room.impacts.
+
+    Raises StepFailed; step.py then restores the state.
+    """
+    c = world.collisions
+    records, status, t, a, b = run_events(
+        c.scene, world.arrays, world.laws, room.motion, c.legs, world.scratch, room.books, state.t, t1, room.asked,
+        room.rows, room.contact_force, room.rows_books, c.records, c.count, c.events,
+    )  # fmt: skip
+    c.records = records
+    if status != resolve.DONE:
+        raise StepFailed(_reason(world.model, status, t, a, b))
+    if c.count[0]:
+        room.impacts.append(_to_impacts(records[: c.count[0]], len(world.model.bodies)))
+
+
+def _to_impacts(records: np.ndarray, n: int) -> np.ndarray:
+    """Kernel rows to the table of records.IMPACT: party numbers as in the deck, sides -1 .. -6."""
+    out = np.zeros(len(records), IMPACT)
+    out["time"] = records[:, resolve.TIME]
+    for name, column in (("a", resolve.PARTY_A), ("b", resolve.PARTY_B)):
+        party = records[:, column].astype(int)
+        out[name] = np.where(party < n, party + 1, n - 1 - party)
+    for name, column in (("point", resolve.POINT), ("normal", resolve.NORMAL), ("impulse", resolve.IMPULSE)):
+        out[name] = records[:, column : column + 3]
+    for name, column in (
+        ("e", resolve.REST_E), ("mu", resolve.REST_MU), ("regime", resolve.REGIME),
+        ("energy_loss", resolve.LOSS), ("count", resolve.COUNT),
+    ):  # fmt: skip
+        out[name] = records[:, column]
+    return out
+
+
+def _reason(model: Model, status: int, t: float, a: int, b: int) -> str:
+    n = len(model.bodies)
+    first = f"body {model.bodies[a].name}"
+    second = "another body" if b < 0 else f"body {model.bodies[b].name}" if b < n else f"side {SIDE_NAMES[b - n]}"
+    when = f"at t = {t:.6g}"
+    if status == resolve.SEVERAL_ROUGH:
+        return (
+            f"{first} rests on several rough flats {when}: resting on more than one flat with friction is not computed "
+            "yet. Set the friction to zero, or end the run earlier"
+        )
+    if status == resolve.RESTS_ON_ROUND:
+        return (
+            f"{first} comes to rest on {second} {when}: resting contact is computed for a ball on a face of a flat "
+            "solid or a domain wall, not yet on other bodies, edges or moving bodies"
+        )
+    if status == resolve.LOCKED:
+        return f"{first} and {second} press each other {when} and neither can give way: no impulse parts them"
+    return f"the motion of {first} could not be integrated {when}: its velocities grow without bound"

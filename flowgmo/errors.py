@@ -1,0 +1,11 @@
+"""Errors that reach the user as one readable text, never as a traceback."""
+
+from __future__ import annotations
+
+
+class FlowgmoError(Exception):
+    """Base of all errors that carry a text for the user."""
+
+
+class StepFailed(FlowgmoError):
+    """A step that cannot be computed. The State stays as it was before the step."""

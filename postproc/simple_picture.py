@@ -1,0 +1,55 @@
+"""A plain picture with matplotlib, where VTK cannot draw. Painter's order, so it may err behind corners."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colors
+from matplotlib import pyplot as plt
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+from postproc import style
+from postproc.look import SOLID_COLOUR, body_colours, camera, frame_of
+from postproc.results import Results
+from postproc.scene import Scene, Surface
+
+SUN = np.array([-0.4, -0.5, 0.77])
+DOTS = 100  # per inch
+
+
+def draw_simply(results: Results, job: dict) -> None:
+    """Write one picture per frame of the job (render.py)."""
+    scene = Scene(results)
+    frame, colours = frame_of(scene), body_colours(scene.moving, job["chosen"])
+    direction, _, parallel = camera(job["view"])
+    for wanted in job["frames"]:
+        figure = plt.figure(figsize=(job["size"][0] / DOTS, job["size"][1] / DOTS), dpi=DOTS)
+        axes = figure.add_axes((0, 0, 1, 1), projection="3d", proj_type="ortho" if parallel else "persp")
+        axes.view_init(np.degrees(np.arcsin(direction[2])), np.degrees(np.arctan2(direction[1], direction[0])))
+        for surface in scene.at(wanted["time"]):
+            axes.add_collection3d(_painted(surface, colours.get(surface.number, SOLID_COLOUR)))
+        axes.add_collection3d(Line3DCollection(_edges(frame.corners), colors="#aab0b8", linewidths=0.8))
+        axes.set(**{f"{name}lim": frame.bounds[:, k] for k, name in enumerate("xyz")})
+        axes.set_box_aspect(np.ptp(frame.bounds, axis=0), zoom=0.98)
+        axes.set_axis_off()
+        if job["label"]:
+            figure.text(0.03, 0.94, f"t = {wanted['time']:.4g} {scene.time_unit}", fontsize=14)
+        style.save(figure, Path(wanted["path"]), dots=DOTS)
+
+
+def _painted(surface: Surface, colour: str) -> Poly3DCollection:
+    """Triangles lit from above."""
+    corners = surface.points[surface.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    light = 0.62 + 0.38 * (normals / np.where(length > 0, length, 1.0)) @ SUN
+    shade = np.array(colors.to_rgb(colour)) * light[:, None]
+    alpha = 0.35 if surface.stationary else 1.0
+    painted = np.column_stack([shade.clip(0, 1), np.full(len(shade), alpha)])
+    return Poly3DCollection(corners, facecolors=painted, edgecolors="none", antialiased=False)
+
+
+def _edges(corners: np.ndarray) -> list[np.ndarray]:
+    """The 12 edges of a box: pairs of corners (8, 3) whose numbers differ in one bit."""
+    return [corners[[a, b]] for a in range(8) for bit in (1, 2, 4) if (b := a | bit) != a]
