@@ -91,7 +91,9 @@ def value(laws, k, t):
         return laws.entries[laws.rows[k].first, 1]
     if i == laws.rows[k].last:
         return laws.entries[i, 1]
-    return laws.entries[i, 1] + (laws.entries[i + 1, 1] - laws.entries[i, 1]) * ((t - laws.entries[i, 0]) / (laws.entries[i + 1, 0] - laws.entries[i, 0]))
+    return laws.entries[i, 1] + (laws.entries[i + 1, 1] - laws.entries[i, 1]) * (
+        (t - laws.entries[i, 0]) / (laws.entries[i + 1, 0] - laws.entries[i, 0])
+    )
 
 
 @inner

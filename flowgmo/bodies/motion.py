@@ -79,7 +79,7 @@ def _parabola(body, row, h):
 def _fall(body, row, books, t0, t1, hits):
     """Parabola with stops. Components are independent: each runs to its own stop, if it has one, and is held there."""
     h = t1 - t0
-    n = 0
+    n = np.int64(0)
     for k in range(3):
         g = body.gravity[k]
         if row.hold[k] != 0:
@@ -210,7 +210,7 @@ def place_hinged(body, row, angle, rate):
 @inner
 def _integrated(body, row, laws, books, t0, t1, hits):
     """Hinged and forced bodies. With stops the interval is cut in slices, and a crossing is located by bisection."""
-    n = 0
+    n = np.int64(0)
     t = t0
     slices = STOP_SLICES if body.stopped else 1
     for s in range(slices):
@@ -226,8 +226,6 @@ def _integrated(body, row, laws, books, t0, t1, hits):
             if k >= 0:
                 n = _stop_component(body, row, books, t, k, hits, n)
     return n
-
-
 
 
 @inner

@@ -135,9 +135,9 @@ def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, row
     for i in range(m):
         for j in range(i + 1, m):
             _predict_pair(i, j, sc, A, laws, M, L, T, t0, t1, events, hits)
-    row = 0
+    row = np.int64(0)
     while True:
-        first = -1
+        first = np.int64(-1)  # a typed number: a plain one compiles every function it is given to twice
         at = NEVER
         for i in range(m):
             if events[i].at < at:

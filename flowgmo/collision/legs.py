@@ -139,7 +139,7 @@ def _pressures(ball, body, row, sc, normals, press):
     for k in range(3):
         if row.support[k] < 0:
             continue
-        _, n, _ = box_distance(row.p, sc.flats[row.support[k]])
+        _, n, _ = box_distance(triple(row.p), sc.flats[row.support[k]])
         if abs(dot(row.v, n)) > tolerance:
             row.support[k] = -1
         else:
@@ -149,10 +149,11 @@ def _pressures(ball, body, row, sc, normals, press):
         for k in range(3):
             if row.support[k] < 0:
                 continue
-            a = dot(body.gravity, normals[k])
+            n = triple(normals[k])
+            a = dot(body.gravity, n)
             for j in range(3):
                 if j != k:
-                    a += press[j] * dot(normals[j], normals[k])
+                    a += press[j] * dot(triple(normals[j]), n)
             new = max(0.0, -a)
             change = max(change, abs(new - press[k]))
             press[k] = new
@@ -219,6 +220,8 @@ def run_leg(ball, body, row, leg, laws, books, t, hits):
         leg.loss = loss
         leg.bounces = bounces
         books[IN_IMPACTS] += loss
+        return True
+    if laws is None:  # no ball needs more than closed forms: the code for the others is not even compiled
         return True
     return fly(body, row, laws, books, leg.t, t, hits) >= 0
 

@@ -201,7 +201,7 @@ def leg_over(i, sc, M, L):
         if row.support[k] < 0:
             continue
         flat = sc.flats[row.support[k]]
-        _, n, _ = box_distance(row.p, flat)
+        _, n, _ = box_distance(triple(row.p), flat)
         for axis in range(3):
             a = triple(flat.axes[axis])
             if abs(dot(a, n)) > 0.5:

@@ -33,7 +33,8 @@ BALL = np.dtype(
 )
 #: One flat: points with lo <= axes (x - origin) <= hi, axes (rows) orthonormal, bounds may be infinite.
 FLAT = np.dtype(
-    [("party", "i8"), ("origin", "f8", 3), ("axes", "f8", (3, 3)), ("lo", "f8", 3), ("hi", "f8", 3), ("face", "i8")], align=True
+    [("party", "i8"), ("origin", "f8", 3), ("axes", "f8", (3, 3)), ("lo", "f8", 3), ("hi", "f8", 3), ("face", "i8")],
+    align=True,
 )
 #: What two parties do: whether they may collide, restitution, friction.
 PAIR = np.dtype([("allowed", "i8"), ("e", "f8"), ("mu", "f8")], align=True)

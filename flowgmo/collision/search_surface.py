@@ -211,8 +211,16 @@ def _meets_slowly(i, j, sc, A, laws, M, L, T, now, end, hits):
     y, w = middle(j, sc, A, laws, M, L, T, now, hits)
     span = end - now
     fastest = 0.0
-    fastest += _series_speed(i, sc, A, M, L) if L[i].mode == SERIES else norm(u) + span * _acceleration_bound(i, sc, M, L, span)
-    fastest += _series_speed(j, sc, A, M, L) if L[j].mode == SERIES else norm(w) + span * _acceleration_bound(j, sc, M, L, span)
+    fastest += (
+        _series_speed(i, sc, A, M, L)
+        if L[i].mode == SERIES
+        else norm(u) + span * _acceleration_bound(i, sc, M, L, span)
+    )
+    fastest += (
+        _series_speed(j, sc, A, M, L)
+        if L[j].mode == SERIES
+        else norm(w) + span * _acceleration_bound(j, sc, M, L, span)
+    )
     t = now
     for _ in range(MAX_ADVANCES):
         d = norm(sub(x, y)) - reach

@@ -1,0 +1,60 @@
+"""build_model: all parts together, and all problems of all parts together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from flowgmo.building.bodies import build_body
+from flowgmo.building.contacts import build_contacts
+from flowgmo.building.domain import build_mesh
+from flowgmo.building.effects import list_effects
+from flowgmo.building.times import build_clock, build_output
+from flowgmo.deck import Deck, DeckError, Notice, Problem
+from flowgmo.model import Model
+
+
+class Findings:
+    """Problems and notices collected while a Model is built."""
+
+    def __init__(self, deck: Deck) -> None:
+        self.deck = deck
+        self.problems: list[Problem] = []
+        self.notices: list[Notice] = list(deck.notices)
+
+    def problem(self, name: str, *index: int, wrong: str, write: str) -> None:
+        self.problems.append(self.deck.problem(name, *index, wrong=wrong, write=write))
+
+    def notice(self, name: str, *index: int, wrong: str, write: str = "") -> None:
+        self.notices.append(self.deck.notice(name, *index, wrong=wrong, write=write))
+
+
+def build_model(deck: Deck, folder: Path | None = None) -> Model:
+    """The Model of a deck that has been read. Raises DeckError with everything that is wrong.
+
+    folder: where results will go; file names in the resolved deck are relative to it.
+    """
+    found = Findings(deck)
+    mesh = build_mesh(deck)
+    bodies = tuple(build_body(found, m, mesh.bounds) for m in range(1, int(deck["NOBS"]) + 1))
+    if found.problems:
+        raise DeckError(found.problems, found.notices)
+    contacts = build_contacts(found, bodies, mesh)
+    if found.problems:
+        raise DeckError(found.problems, found.notices)
+    return Model(
+        title=deck.title,
+        stem=deck.path.stem,
+        units=str(deck["UNITS"] or ""),
+        resolved_deck=deck.resolved(folder),
+        clock=build_clock(deck),
+        output=build_output(deck),
+        gravity=np.array([deck["GX"], deck["GY"], deck["GZ"]], dtype=float),
+        mesh=mesh,
+        bodies=bodies,
+        contacts=contacts,
+        effects=list_effects(deck, bodies, contacts),
+        fluid=None,
+        notices=tuple(str(notice) for notice in found.notices),
+    )

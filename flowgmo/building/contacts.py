@@ -1,0 +1,214 @@
+"""Who may collide with whom, and how (ICLID, ICLIDOB, CRSTRNG, CFRC, STRNGMOB, FRCMOB, IBCT).
+
+A pair takes the smaller restitution and the smaller friction of its two partners. What this version can resolve is
+checked pair by pair; everything else is refused with what to write instead.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flowgmo.bodies.body import FIXED_AXIS, FIXED_POINT, SIX_DEGREES, SOLID, Body
+from flowgmo.geometry import overlap_depth
+from flowgmo.mesh import SYMMETRY, Mesh, Side
+from flowgmo.model import ContactPlan
+
+if TYPE_CHECKING:
+    from flowgmo.building.build import Findings
+
+OVERLAP = 1e-6  # part of the smaller body's size by which two may overlap at the start (DESIGN 6)
+ISOTROPIC = 1e-9  # relative spread of the moments of inertia up to which a body counts as a ball
+
+
+def build_contacts(found: Findings, bodies: tuple[Body, ...], mesh: Mesh) -> ContactPlan | None:
+    """The contact plan, None where nothing can collide. Problems: pairs not computed yet, overlaps at the start."""
+    deck = found.deck
+    if deck["ICLID"] != 1:
+        return None
+    n = len(bodies)
+    allowed = _allowed(found, bodies, mesh)
+    _drop_hinges(found, bodies, allowed)
+    restitution, friction = _coefficients(found, bodies, mesh.sides)
+    _drop_pierced(found, bodies, mesh, allowed)
+    if not allowed.any():
+        return None
+    _check_balls(found, bodies, allowed, friction)
+    if not found.problems:
+        _check_overlaps(found, bodies, allowed)
+    taking_part = [i for i in range(n) if allowed[i].any()]
+    return ContactPlan(
+        allowed=allowed,
+        restitution=restitution,
+        friction=friction,
+        touch=float(deck["TOUCH"]),
+        balls=tuple(i for i in taking_part if bodies[i].shape.as_sphere() is not None),
+        flats=tuple(i for i in taking_part if _is_flat(bodies[i])),
+    )
+
+
+def _allowed(found: Findings, bodies: tuple[Body, ...], mesh: Mesh) -> np.ndarray:
+    """(n + 6, n + 6): at least one partner coupled, both orders of ICLIDOB, neither (m, m) zero."""
+    deck, n = found.deck, len(bodies)
+    allowed = np.zeros((n + 6, n + 6), dtype=bool)
+    takes_part = [bool(deck.at("ICLIDOB", i + 1, i + 1)) for i in range(n)]
+    for i in range(n):
+        for j in range(i + 1, n):
+            coupled = bodies[i].coupled or bodies[j].coupled
+            wanted = coupled and takes_part[i] and takes_part[j]
+            if wanted and deck.at("ICLIDOB", i + 1, j + 1) and deck.at("ICLIDOB", j + 1, i + 1):
+                allowed[i, j] = allowed[j, i] = True
+        for side in mesh.sides:
+            if bodies[i].coupled and takes_part[i] and side.stops_bodies:
+                allowed[i, n + side.number] = allowed[n + side.number, i] = True
+    return allowed
+
+
+def _coefficients(found: Findings, bodies: tuple[Body, ...], sides: tuple[Side, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Restitution and friction of all pairs; a mirror is elastic and smooth whatever the deck says."""
+    deck, n = found.deck, len(bodies)
+    e = np.array([b.restitution for b in bodies] + [float(deck["STRNGMOB"])] * 6)
+    mu = np.array([b.friction for b in bodies] + [float(deck["FRCMOB"])] * 6)
+    restitution, friction = np.minimum(e[:, None], e), np.minimum(mu[:, None], mu)
+    for side in sides:
+        if side.kind == SYMMETRY:
+            k = n + side.number
+            restitution[k], restitution[:, k] = 1.0, 1.0
+            friction[k], friction[:, k] = 0.0, 0.0
+    return restitution, friction
+
+
+def _is_flat(body: Body) -> bool:
+    return body.kind == SOLID and body.shape.as_sphere() is None and bool(body.shape.as_boxes())
+
+
+def _drop_hinges(found: Findings, bodies: tuple[Body, ...], allowed: np.ndarray) -> None:
+    """A body on a fixed axis or point may stick in a stationary solid: that is its hinge, not a contact."""
+    for i, body in enumerate(bodies):
+        if body.constraint not in (FIXED_AXIS, FIXED_POINT):
+            continue
+        for j, other in enumerate(bodies):
+            if allowed[i, j] and other.kind == SOLID and _depth(body, other) > OVERLAP * _size(body):
+                allowed[i, j] = allowed[j, i] = False
+                found.notice(
+                    "ICLIDOB", i + 1, j + 1,
+                    wrong=f"{body.name} turns about a fixed axis or point and overlaps {other.name}, which is taken as "
+                    "its hinge: this pair does not collide",
+                )  # fmt: skip
+
+
+def _drop_pierced(found: Findings, bodies: tuple[Body, ...], mesh: Mesh, allowed: np.ndarray) -> None:
+    """A body that pierces a side of the domain at the start (every two-dimensional deck) does not collide with it."""
+    n = len(bodies)
+    for i, body in enumerate(bodies):
+        if not allowed[i, n:].any():
+            continue
+        lo, hi = body.shape.bounds()
+        for side in mesh.sides:
+            k, upper = divmod(side.number, 2)
+            if not allowed[i, n + side.number]:
+                continue
+            depth = hi[k] - mesh.bounds[1, k] if upper else mesh.bounds[0, k] - lo[k]
+            if depth <= OVERLAP * _size(body):
+                continue
+            if depth >= hi[k] - lo[k]:
+                found.problem(
+                    "OBSID" if found.deck.given("OBSID", i + 1) else "IMO", i + 1,
+                    wrong=f"{body.name} starts outside the domain, beyond its side {side.name}, which is a wall",
+                    write="Move the body or the mesh planes, or let the side be open",
+                )  # fmt: skip
+                continue
+            allowed[i, n + side.number] = allowed[n + side.number, i] = False
+            found.notice(
+                "IBCT", side.number + 1,
+                wrong=f"{body.name} pierces the side {side.name} by {depth:.4g} at the start: they do not collide",
+            )  # fmt: skip
+
+
+def _check_balls(found: Findings, bodies: tuple[Body, ...], allowed: np.ndarray, friction: np.ndarray) -> None:
+    """Refuse the pairs that are not computed yet, once for each body with all its partners."""
+    n = len(bodies)
+    for i, body in enumerate(bodies):
+        if not allowed[i].any():
+            continue
+        if body.shape.as_sphere() is None:
+            if body.coupled:
+                _not_yet(found, i, f"{body.name} is a {body.shape.describe()}")
+            elif not _is_flat(body) and any(allowed[i, :n]):
+                _not_yet(
+                    found, i, f"{body.name} ({body.shape.describe()}, {body.kind}) is neither a ball nor a flat at rest"
+                )
+            continue
+        reason = _unfit_ball(body, rough=bool((friction[i][allowed[i]] > 0.0).any()))
+        if reason:
+            _not_yet(found, i, f"{body.name} {reason}")
+
+
+def _unfit_ball(body: Body, rough: bool) -> str:
+    """Why a spherical body cannot collide yet; empty if it can."""
+    if body.kind == SOLID:
+        return ""
+    centre, radius = body.shape.as_sphere()
+    if body.stops.any:
+        return "has travel or angle limits"
+    if not body.coupled:
+        turning = sum(
+            1 for d in body.drives[3:] if getattr(d.law, "amplitude", None) or not getattr(d.law, "is_zero", False)
+        )
+        return "is driven about several axes" if turning > 1 and body.constraint != FIXED_AXIS else ""
+    if body.constraint == FIXED_POINT:
+        return "turns about a fixed point"
+    if body.constraint == FIXED_AXIS:
+        if not body.drives[3].coupled:
+            return ""
+        return "turns about a fixed axis and has friction" if rough else ""
+    if body.constraint == SIX_DEGREES and not all(d.coupled for d in body.drives):
+        return "is driven in some components"
+    if np.linalg.norm(centre - body.origin) > ISOTROPIC * radius:
+        return "has its mass centre off its middle"
+    moments = np.linalg.eigvalsh(body.mass.inertia)
+    if rough and np.ptp(moments) > ISOTROPIC * moments[-1]:
+        return "has different moments of inertia, and friction"
+    return ""
+
+
+def _not_yet(found: Findings, i: int, what: str) -> None:
+    m = i + 1
+    found.problem(
+        "ICLID",
+        wrong=f"{what}: collisions are computed for balls with balls, with stationary flat solids and with the sides of "
+        "the domain, not yet for this body",
+        write=f"Write iclidob({m},{m})=0 to let it pass through the others, or iclid=0",
+    )  # fmt: skip
+
+
+def _check_overlaps(found: Findings, bodies: tuple[Body, ...], allowed: np.ndarray) -> None:
+    n = len(bodies)
+    for i in range(n):
+        for j in range(i + 1, n):
+            if not allowed[i, j]:
+                continue
+            size = min(_size(bodies[i]), _size(bodies[j]))
+            depth = _depth(bodies[i], bodies[j])
+            if depth > OVERLAP * size:
+                found.problem(
+                    "OBSID" if found.deck.given("OBSID", j + 1) else "IMO", j + 1,
+                    wrong=f"{bodies[i].name} and {bodies[j].name} overlap at the start by {depth:.6g}",
+                    write=f"Move one of them, or write iclidob({i + 1},{j + 1})=0",
+                )  # fmt: skip
+
+
+def _depth(a: Body, b: Body) -> float:
+    lo, hi = a.shape.bounds()
+    lo2, hi2 = b.shape.bounds()
+    if np.any(lo > hi2) or np.any(lo2 > hi):
+        return 0.0
+    return overlap_depth(a.shape, b.shape, min(_size(a), _size(b)))
+
+
+def _size(body: Body) -> float:
+    """Largest finite extent of a body [length]."""
+    extent = np.ptp(body.shape.bounds(), axis=0)
+    finite = extent[np.isfinite(extent)]
+    return float(finite.max()) if finite.size else np.inf

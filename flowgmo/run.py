@@ -1,0 +1,255 @@
+"""A run: from a Model to its results folder. Steps, output, stops, signals; the physics is in step.py."""
+
+from __future__ import annotations
+
+import os
+import resource
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from flowgmo.errors import FlowgmoError, StepFailed
+from flowgmo.model import Model
+from flowgmo.output import (
+    History,
+    RestartError,
+    RunLog,
+    Snapshots,
+    read_restart,
+    versions,
+    write_restart,
+    write_run_json,
+)
+from flowgmo.records import Rows
+from flowgmo.state import State, initial_state
+
+DONE, FAILED, WRONG, INTERRUPTED = 0, 1, 2, 130  # exit codes (DESIGN 8)
+STATUS = {DONE: "done", FAILED: "failed", INTERRUPTED: "interrupted"}
+LAND = 1e-6  # a step this part of itself short of a landing time is stretched to it, not followed by a tiny one
+OURS = ("deck.resolved.nml", "run.log", "run.json", "history.h5", "fields.h5", "restart.h5", "vtk")
+
+
+def prepare_folder(folder: Path, overwrite: bool, restart: bool) -> None:
+    """Make the results folder. Raises FlowgmoError if it exists (and neither overwrite nor restart), or cannot be made."""
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise FlowgmoError(f"{folder} is a file, not a folder. Name another results folder with -o")
+        if folder.is_dir() and any(folder.iterdir()) and not (overwrite or restart):
+            raise FlowgmoError(
+                f"the results folder {folder} exists and is kept. Write --overwrite to replace it, --restart FILE to go "
+                "on, or -o DIR for another one"
+            )
+        if overwrite and not restart and folder.is_dir():
+            for name in OURS:  # only what a run writes; other files of the user stay
+                target = folder / name
+                if target.is_dir():
+                    shutil.rmtree(target)
+                elif target.exists():
+                    target.unlink()
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".writable"
+        probe.write_bytes(b"")
+        probe.unlink()
+    except OSError as error:
+        raise FlowgmoError(f"the results folder {folder} cannot be written: {error.strerror or error}") from None
+
+
+def run(model: Model, folder: Path, restart: Path | None, command_line: str) -> int:
+    """Compute the scene into `folder`. Returns the exit code. Raises FlowgmoError before anything is written."""
+    from flowgmo.step import prepare  # loads the kernels
+
+    state = read_restart(restart, model) if restart else initial_state(model)
+    if restart and state.t >= model.clock.end:
+        raise RestartError(
+            f"{restart} stands at t = {state.t:.6g}, the end of the run (twfin={model.clock.end:.6g}). Write a later twfin"
+        )
+    job = Job(model, state, folder, resume_at=state.t if restart else None, command_line=command_line)
+    try:
+        job.world = prepare(model)
+        with stopping_on_signals(job):
+            job.compute()
+    except StepFailed as error:
+        job.finish(FAILED, str(error))
+    except BaseException:
+        job.close_quietly()
+        raise
+    return job.code
+
+
+class Job:
+    """One run in progress: the model, its state, and the files it writes."""
+
+    def __init__(self, model: Model, state: State, folder: Path, resume_at: float | None, command_line: str) -> None:
+        self.model, self.state, self.folder = model, state, folder
+        self.resume_at, self.command_line = resume_at, command_line
+        self.code, self.stop_asked = DONE, False
+        self.began = self.last_restart = time.perf_counter()
+        self.writing = 0.0
+        self.per_body: dict[str, dict[str, float]] = {}
+        self.limits = 0
+        self.last_rows: Rows | None = None
+        self.log = RunLog(folder, resume_at=resume_at)
+        self.history = History(folder, model, resume_at)
+        self.snapshots = Snapshots(folder, model, resume_at)
+        (folder / "deck.resolved.nml").write_text(model.resolved_deck, encoding="utf-8")
+        self.log.header(model)
+        self.history_times = model.output.history.times(model.clock.end)
+        self.landings, self.full = _landing_times(model)
+
+    def compute(self) -> None:
+        """Step until the end, a stop, or an interrupt."""
+        from flowgmo.step import rows_of_state, step
+
+        model, state = self.model, self.state
+        if self.resume_at is None:
+            self._write_rows(rows_of_state(self.world, state))
+            self.snapshots.write(state)
+        while state.t < model.clock.end and state.step < model.clock.last_step and not self.stop_asked:
+            t1, landing = self.next_time()
+            asked = self._history_between(state.t, t1)
+            report = step(self.world, state, t1, asked, landing)
+            began = time.perf_counter()
+            if report.rows is not None:
+                self._write_rows(report.rows)
+            if len(report.impacts):
+                self._note_impacts(report.impacts)
+            if landing:
+                self._land(t1)
+            elif began - self.last_restart > model.output.restart_wall:
+                self._save()
+            self.log.progress(state.t, state.step, t1 - state.t, state.impacts)
+            self.writing += time.perf_counter() - began
+        if self.stop_asked:
+            self.finish(INTERRUPTED, "interrupted; restart.h5 holds the state, go on with --restart")
+        elif state.t < model.clock.end:
+            self.finish(DONE, f"itwfin={model.clock.last_step} steps are done")
+        else:
+            self.finish(DONE, "twfin is reached")
+
+    def next_time(self) -> tuple[float, bool]:
+        """Where the next step ends, and whether that is a landing. Steps are counted from the last landing: no drift."""
+        state, clock = self.state, self.model.clock
+        k = np.searchsorted(self.landings, state.t, side="right")
+        landing = float(self.landings[min(k, len(self.landings) - 1)])
+        dt = min(clock.dt, _bound(clock.dt_max, state.t))
+        t1 = state.landed + (state.since_landing + 1) * dt
+        if dt < clock.dt or t1 <= state.t:
+            t1 = state.t + dt
+        if t1 >= landing - LAND * dt:
+            return landing, True
+        return t1, False
+
+    def _history_between(self, t0: float, t1: float) -> np.ndarray:
+        a, b = np.searchsorted(self.history_times, [t0, t1], side="right")
+        return self.history_times[a:b]
+
+    def _write_rows(self, rows: Rows) -> None:
+        self.history.write(rows)
+        self.last_rows = rows
+
+    def _note_impacts(self, impacts: np.ndarray) -> None:
+        self.history.write_impacts(impacts)
+        self.limits += int((impacts["b"] == 0).sum())
+        sizes = np.linalg.norm(impacts["impulse"], axis=1)
+        for side in ("a", "b"):
+            for number in np.unique(impacts[side][impacts[side] > 0]):
+                mine = impacts[side] == number
+                entry = self.per_body.setdefault(self.model.bodies[number - 1].name, {"count": 0, "impulse": 0.0})
+                entry["count"] += int(impacts["count"][mine].sum())
+                entry["impulse"] += float(sizes[mine].sum())
+
+    def _land(self, t: float) -> None:
+        self.snapshots.write(self.state)
+        self.history.flush()
+        if self.full[np.searchsorted(self.landings, t)]:
+            self._save()
+
+    def _save(self) -> None:
+        self.history.flush()
+        write_restart(self.folder / "restart.h5", self.model, self.state)
+        self.last_restart = time.perf_counter()
+
+    def finish(self, code: int, reason: str) -> None:
+        """Close the files and say how it went. After a failure the state is the last good one."""
+        self.code = code
+        self._save()
+        self.history.close()
+        summary = self._summary(code, reason)
+        self.log.footer(summary)
+        self.log.close()
+        write_run_json(self.folder / "run.json", summary)
+
+    def close_quietly(self) -> None:
+        """An error that is not ours to explain: leave readable files."""
+        for part in (self.history, self.log):
+            try:
+                part.close()
+            except Exception:
+                pass
+
+    def _summary(self, code: int, reason: str) -> dict:
+        wall = time.perf_counter() - self.began
+        parts = {**self.world.seconds, "output": self.writing} if hasattr(self, "world") else {}
+        parts["set-up and rest"] = max(wall - sum(parts.values()), 0.0)
+        energy = {name: float(values[-1]) for name, values in (self.last_rows.energy if self.last_rows else {}).items()}
+        return {
+            "status": STATUS[code],
+            "reason": reason,
+            "steps": self.state.step,
+            "t": self.state.t,
+            "cells": self.model.mesh.cells,
+            "wall_seconds": wall,
+            "effects": {name: {"seconds": s, "share": s / wall} for name, s in parts.items()},
+            "peak_memory_bytes": _peak_memory(),
+            "energy": energy,
+            "collisions": {"total": self.state.impacts, "per_body": self.per_body},
+            "limits": [f"{self.limits} stops met"] if self.limits else [],
+            "versions": versions(),
+            "command_line": self.command_line,
+        }
+
+
+def _landing_times(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Times that steps end on (full and selected snapshots, the end), and which of them are full."""
+    full = model.output.snapshots.times(model.clock.end)
+    if not model.bodies:
+        return full, np.ones(len(full), dtype=bool)
+    every = np.union1d(full, model.output.selected.times(model.clock.end))
+    keep = np.append(np.diff(every) > 1e-9 * model.clock.end, True)  # 1e-9: the same time from two series
+    every = every[keep]
+    return every, np.array([np.abs(full - t).min() <= 1e-9 * model.clock.end for t in every])
+
+
+def _bound(intervals: object, t: float) -> float:
+    """The value of an interval table that holds at t."""
+    k = int(np.searchsorted(intervals.ends, t, side="right"))
+    return float(intervals.spacing[min(k, len(intervals.spacing) - 1)])
+
+
+def _peak_memory() -> int:
+    """Bytes this process held at most."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024
+
+
+@contextmanager
+def stopping_on_signals(job: Job) -> Iterator[None]:
+    """Ctrl-C and a polite kill end the run after the step in progress; a second one ends it at once."""
+
+    def ask(number: int, frame: object) -> None:
+        if job.stop_asked:
+            os._exit(INTERRUPTED)
+        job.stop_asked = True
+
+    old = {s: signal.signal(s, ask) for s in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for s, handler in old.items():
+            signal.signal(s, handler)
