@@ -15,11 +15,17 @@ from pathlib import Path
 __version__ = "0.1.0"
 
 
+#: Files and folders that kernels are made of; a test holds that kernels use no other.
+KERNEL_SOURCES = ("kernel.py", "vectors.py", "records.py", "bodies", "collision", "flow")
+
+
 def _kernel_folder() -> Path | None:
     """A writable folder for this version of the sources, and None if there is none (kernels then compile each time)."""
     digest = hashlib.blake2b(f"{sys.version}".encode(), digest_size=8)
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(source.read_bytes())
+    package = Path(__file__).parent
+    for place in KERNEL_SOURCES:
+        for source in sorted([package / place] if place.endswith(".py") else (package / place).rglob("*.py")):
+            digest.update(source.read_bytes())
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")  # noqa: PTH111, PTH118
     user = getattr(os, "getuid", lambda: 0)()
     for base in (Path(home) / "flowgmo", Path(tempfile.gettempdir()) / f"flowgmo-{user}"):

@@ -128,9 +128,7 @@ def main() -> None:
     except Exception as error:
         if os.environ.get("FLOWGMO_DEBUG"):
             traceback.print_exc()
-        _say(
-            f"flowgmo: unforeseen error, please report it ({type(error).__name__}: {error}); FLOWGMO_DEBUG=1 shows where"
-        )
+        _say(f"flowgmo: unforeseen error, please report it: {type(error).__name__}: {error}")
         sys.exit(FAILED)
 
 

@@ -9,7 +9,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -36,14 +36,14 @@ OURS = ("deck.resolved.nml", "run.log", "run.json", "history.h5", "fields.h5", "
 
 
 def prepare_folder(folder: Path, overwrite: bool, restart: bool) -> None:
-    """Make the results folder. Raises FlowgmoError if it exists (and neither overwrite nor restart), or cannot be made."""
+    """Make the results folder. Raises FlowgmoError if it exists (without overwrite or restart), or cannot be made."""
     try:
         if folder.exists() and not folder.is_dir():
             raise FlowgmoError(f"{folder} is a file, not a folder. Name another results folder with -o")
         if folder.is_dir() and any(folder.iterdir()) and not (overwrite or restart):
             raise FlowgmoError(
-                f"the results folder {folder} exists and is kept. Write --overwrite to replace it, --restart FILE to go "
-                "on, or -o DIR for another one"
+                f"the results folder {folder} exists and is kept. Write --overwrite to replace it, --restart FILE to "
+                "go on, or -o DIR for another one"
             )
         if overwrite and not restart and folder.is_dir():
             for name in OURS:  # only what a run writes; other files of the user stay
@@ -67,7 +67,7 @@ def run(model: Model, folder: Path, restart: Path | None, command_line: str) -> 
     state = read_restart(restart, model) if restart else initial_state(model)
     if restart and state.t >= model.clock.end:
         raise RestartError(
-            f"{restart} stands at t = {state.t:.6g}, the end of the run (twfin={model.clock.end:.6g}). Write a later twfin"
+            f"{restart} stands at t = {state.t:.6g}, the run ends at twfin={model.clock.end:.6g}. Write a later twfin"
         )
     job = Job(model, state, folder, resume_at=state.t if restart else None, command_line=command_line)
     try:
@@ -133,7 +133,7 @@ class Job:
             self.finish(DONE, "twfin is reached")
 
     def next_time(self) -> tuple[float, bool]:
-        """Where the next step ends, and whether that is a landing. Steps are counted from the last landing: no drift."""
+        """Where the next step ends, and whether that is a landing. Steps count from the last landing: no drift."""
         state, clock = self.state, self.model.clock
         k = np.searchsorted(self.landings, state.t, side="right")
         landing = float(self.landings[min(k, len(self.landings) - 1)])
@@ -188,10 +188,8 @@ class Job:
     def close_quietly(self) -> None:
         """An error that is not ours to explain: leave readable files."""
         for part in (self.history, self.log):
-            try:
+            with suppress(Exception):  # the first error is the one to report
                 part.close()
-            except Exception:
-                pass
 
     def _summary(self, code: int, reason: str) -> dict:
         wall = time.perf_counter() - self.began

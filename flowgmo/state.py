@@ -1,16 +1,16 @@
 """State: every array that changes during a run. The glossary of what moves.
 
-| symbol  | word                           | shape   | unit          | axes, location      | written by                  |
-|---------|--------------------------------|---------|---------------|---------------------|-----------------------------|
-| t       | time                           | -       | time          |                     | State.advance_clock         |
-| p_WB    | position of B                  | (n, 3)  | length        | space               | move_bodies                 |
-| q_WB    | orientation w x y z            | (n, 4)  | -             | body to space       | move_bodies                 |
-| v_WB    | velocity of B                  | (n, 3)  | length/time   | space               | move_bodies                 |
-| w_WB    | angular velocity               | (n, 3)  | rad/time      | space               | move_bodies                 |
-| angle   | angle turned about a fixed axis| (n,)    | rad           | about the axis      | move_bodies                 |
-| hold    | held at a stop                 | (n, 4)  | -1, 0, +1     | x y z, angle        | move_bodies                 |
-| support | flats a ball rests on          | (n, 3)  | index or -1   |                     | move_bodies                 |
-| books   | energy given and lost          | (BOOKS) | energy        |                     | move_bodies                 |
+| symbol  | word                     | shape   | unit        | axes          | written by          |
+|---------|--------------------------|---------|-------------|---------------|---------------------|
+| t       | time                     | -       | time        |               | State.advance_clock |
+| p_WB    | position of B            | (n, 3)  | length      | space         | step                |
+| q_WB    | orientation w x y z      | (n, 4)  | -           | body to space | step                |
+| v_WB    | velocity of B            | (n, 3)  | length/time | space         | step                |
+| w_WB    | angular velocity         | (n, 3)  | rad/time    | space         | step                |
+| angle   | turned about a fixed axis| (n,)    | rad         | about it      | step                |
+| hold    | held at a stop           | (n, 4)  | -1, 0, +1   | x y z, angle  | step                |
+| support | flats a ball rests on    | (n, 3)  | flat or -1  |               | collisions          |
+| books   | energy given and lost    | (BOOKS) | energy      |               | step                |
 
 B is the mass centre, or the reference point of a body without mass (bodies/body.py). Stationary bodies keep their
 rows so that a body's row is its deck number minus one. `fluid` holds the mesh fields (u v w p F V Ax Ay Az, places in

@@ -32,7 +32,7 @@ MAX_HITS = 4096  # stops that one step may record; further ones still act
 
 @dataclass
 class World:
-    """What kernels need of a Model, made once: bodies (n,) of BODY, laws (None: all ballistic), stages, room to work."""
+    """What kernels need of a Model, made once: bodies (n,) of BODY, laws (None: all ballistic), stages, scratch."""
 
     model: Model
     arrays: np.ndarray

@@ -1,4 +1,4 @@
-"""Vectors and quaternions as tuples of floats, for kernels: no allocation, and a fraction of the compile time of arrays.
+"""Vectors and quaternions as tuples of floats, for kernels: no allocation, a fraction of the compile time.
 
 `triple` and `quad` read a row of an array, `put` writes one. Quaternions q = (w, x, y, z) are unit and turn body
 components into space components, x_W = q x_B q* (Diebel 2006, "Representing attitude").

@@ -115,7 +115,8 @@ class Body:
     drives     u, v, w of the point that moves (space axes), then the three rotations (body axes); fixed axis: only
                drives[3] counts, about `axis`
     reference  the point whose translation the drives give, at t = 0 (3,)
-    velocity   of B at t = 0 (3,) [length/time] space axes; spin (3,) [rad/time] body axes; fixed axis: spin[0] about axis
+    velocity   of B at t = 0 (3,) [length/time] space axes; spin (3,) [rad/time] body axes;
+               fixed axis: spin[0] about axis
     """
 
     number: int

@@ -1,4 +1,4 @@
-"""Kinetic and potential energy of bodies (dtype BODY), from rows of their states (numpy; for history and the final table)."""
+"""Kinetic and potential energy of bodies (dtype BODY), from rows of their states."""
 
 from __future__ import annotations
 

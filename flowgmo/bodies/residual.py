@@ -19,7 +19,8 @@ from flowgmo.vectors import add, along, cross, put, quad, rotate, scale, sub, tr
 
 @inner
 def residual_load(body, row, laws, t):
-    """Residual force and torque (triples) of a body at time t, space axes, torque about B; zeros where none is needed."""
+    """Residual force and torque (triples) of a body at time t, space axes, torque about B; zeros where none
+    is needed."""
     zero = (0.0, 0.0, 0.0)
     if body.mass == 0.0 or (body.motion != DRIVEN and body.motion != FORCED):
         return zero, zero

@@ -1,23 +1,23 @@
 """Rotation of a free rigid body, exact at any step: Euler's equations by Jacobi's elliptic functions.
 
-    I1 dω1/dt = (I2 - I3) ω2 ω3   and cyclic, principal axes;  angular momentum L fixed in space
+    I1 dω1/dt = (I2 - I3) ω2 ω3   and cyclic, principal axes;  L fixed in space
 
-With I1 <= I2 <= I3, let C be the axis about which the momentum circles (the largest moment if L² >= 2 E I2, else the
-smallest), A the other end, B the middle. The addition theorems of sn, cn, dn give ω(t) from ω(0) directly, without a
-phase (no incomplete integral, no signs to keep, nothing singular at the separatrix or at a steady spin):
+With I1 <= I2 <= I3, let C be the axis about which the momentum circles (the largest moment if L² >= 2 E I2, else
+the smallest), A the other end, B the middle. The addition theorems of sn, cn, dn give ω(t) from ω(0) directly,
+without a phase (no incomplete integral, no signs to keep, nothing singular at the separatrix or at a steady spin):
 
     x(t) = (x c + κA y z s d) / D     κA = ±(B - C)/(A λ)     s, c, d = sn, cn, dn (λ t | m)
     y(t) = (y c d + κB x z s) / D     κB = ±(C - A)/(B λ)     D = c² + s² C (C - A) z² / P
-    z(t) = (z d + κC x y s c) / D     κC = ±(A - B)/(C λ)     P = B (B - A) y² + C (C - A) z²   (signs of the differences)
+    z(t) = (z d + κC x y s c) / D     κC = ±(A - B)/(C λ)     P = B (B - A) y² + C (C - A) z²
     λ² = (C - B) P / (A B C)          1 - m = (C - A) (C (C - B) z² - A (B - A) x²) / ((C - B) P)
 
 The attitude follows from L being fixed: only the angle ψ about L is left,
 
     dψ/dt = L (2E - A x²) / (L² - A² x²)
 
-(the precession of the A axis; or the same with C and z, whichever momentum stays farther from L), integrated by Gauss's rule on panels short against
-the functions' period: to round-off. Source: Landau & Lifshitz, Mechanics §37; Celledoni, Fassò, Säfström & Zanna 2008
-for the use as a propagator; Abramowitz & Stegun 16.4 and 16.17.
+(the precession of the A axis; or the same with C and z, whichever momentum stays farther from L), integrated by
+Gauss's rule on panels short against the functions' period: to round-off. Source: Landau & Lifshitz, Mechanics §37;
+Celledoni, Fassò, Säfström & Zanna 2008 for the use as a propagator; Abramowitz & Stegun 16.4 and 16.17.
 """
 
 from __future__ import annotations

@@ -177,8 +177,8 @@ def _not_yet(found: Findings, i: int, what: str) -> None:
     m = i + 1
     found.problem(
         "ICLID",
-        wrong=f"{what}: collisions are computed for balls with balls, with stationary flat solids and with the sides of "
-        "the domain, not yet for this body",
+        wrong=f"{what}: collisions are computed for balls with balls, with stationary flat solids and with the "
+        "sides of the domain, not yet for this body",
         write=f"Write iclidob({m},{m})=0 to let it pass through the others, or iclid=0",
     )  # fmt: skip
 

@@ -24,7 +24,7 @@ from flowgmo.collision.resolve import (
     leg_over,
 )
 from flowgmo.collision.resting import series_time
-from flowgmo.collision.search_surface import NEVER, meets_ball, meets_flat
+from flowgmo.collision.search_surface import NEVER, bound_path, meets_ball, meets_flat
 from flowgmo.kernel import inner, kernel
 from flowgmo.vectors import along, dot, put, triple
 
@@ -37,20 +37,26 @@ EVENT = np.dtype([("at", "f8"), ("what", "i8"), ("whom", "i8"), ("stalls", "i8")
 
 
 @inner
-def _predict_pair(i, j, sc, A, laws, M, L, T, now, end, events, hits):
-    if not sc.pairs[sc.balls[i].body, sc.balls[j].body].allowed:
-        return
-    at, sure = meets_ball(i, j, sc, A, laws, M, L, T, now, end, hits)
-    what = WITH_BALL if sure else NEAR_BALL
-    if at < events[i].at:
-        events[i].at, events[i].what, events[i].whom = at, what, j
-    if at < events[j].at:
-        events[j].at, events[j].what, events[j].whom = at, what, i
+def _predict_pairs(i, first, sc, A, laws, M, L, T, now, end, events, boxes, hits):
+    """Meetings of ball i with balls first, first + 1, …; boxes tell apart those that cannot meet."""
+    a0, a1, a2, a3, a4, a5 = boxes[i, 0], boxes[i, 1], boxes[i, 2], boxes[i, 3], boxes[i, 4], boxes[i, 5]
+    for j in range(first, boxes.shape[0]):
+        if a0 > boxes[j, 3] or boxes[j, 0] > a3 or a1 > boxes[j, 4] or boxes[j, 1] > a4:
+            continue
+        if a2 > boxes[j, 5] or boxes[j, 2] > a5 or i == j or not sc.pairs[sc.balls[i].body, sc.balls[j].body].allowed:
+            continue
+        at, sure = meets_ball(i, j, sc, A, laws, M, L, T, now, end, hits)
+        what = WITH_BALL if sure else NEAR_BALL
+        if at < events[i].at:
+            events[i].at, events[i].what, events[i].whom = at, what, j
+        if at < events[j].at:
+            events[j].at, events[j].what, events[j].whom = at, what, i
 
 
 @inner
-def _predict_alone(i, sc, A, laws, M, L, T, now, end, events, hits):
-    """Ball i's end of leg and its meetings with flats; forgets what was predicted for it before."""
+def _predict_alone(i, sc, A, laws, M, L, T, now, end, events, boxes, hits):
+    """Ball i's end of leg, its bounding box, and its meetings with flats; forgets what was predicted before."""
+    bound_path(i, sc, A, laws, M, L, T, now, end, boxes, hits)
     event = events[i]
     leg = L[i]
     event.at, event.what, event.whom = NEVER, NOTHING, -1
@@ -61,21 +67,23 @@ def _predict_alone(i, sc, A, laws, M, L, T, now, end, events, hits):
         return
     support = M[b].support
     for f in range(sc.flats.size):
-        if not sc.pairs[b, sc.flats[f].party].allowed:
+        flat = sc.flats[f]
+        beyond = False
+        for k in range(3):
+            beyond = beyond or boxes[i, k] > flat.box[3 + k] or flat.box[k] > boxes[i, 3 + k]
+        if beyond or not sc.pairs[b, flat.party].allowed:
             continue
         if f == support[0] or f == support[1] or f == support[2] or leg.mode == SERIES and leg.flat == f:
             continue
-        at, sure = meets_flat(i, sc.flats[f], sc, A, laws, M, L, T, now, end, hits)
+        at, sure = meets_flat(i, flat, sc, A, laws, M, L, T, now, end, hits)
         if at < event.at:
             event.at, event.what, event.whom = at, (WITH_FLAT if sure else NEAR_FLAT), f
 
 
 @inner
-def _predict(i, sc, A, laws, M, L, T, now, end, events, hits):
-    _predict_alone(i, sc, A, laws, M, L, T, now, end, events, hits)
-    for j in range(sc.balls.size):
-        if j != i:
-            _predict_pair(i, j, sc, A, laws, M, L, T, now, end, events, hits)
+def _predict(i, sc, A, laws, M, L, T, now, end, events, boxes, hits):
+    _predict_alone(i, sc, A, laws, M, L, T, now, end, events, boxes, hits)
+    _predict_pairs(i, 0, sc, A, laws, M, L, T, now, end, events, boxes, hits)
 
 
 @inner
@@ -116,9 +124,11 @@ def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, row
 
     A (n,) BODY, M (n,) POSE (changed), L (m,) LEG, T (n,) POSE for scratch, books (4,); asked (k,): times in (t0, t1]
     whose states of the balls go to rows (k, n) POSE, rows_force (k, n, 3), rows_books (k, 4). Impacts go to
-    records, their number to count (1,). Returns records (grown if needed), status, time, and the two parties of a status that is not DONE.
+    records, their number to count (1,). Returns records (grown if needed), status, time, and the two parties of a
+    status that is not DONE.
     """
     m = sc.balls.size
+    boxes = np.empty((m, 6))
     hits = np.zeros((0, 4))
     now = t0
     count[0] = 0
@@ -131,13 +141,12 @@ def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, row
         if status != DONE:
             return records, status, t0, sc.balls[i].body, -1
     for i in range(m):
-        _predict_alone(i, sc, A, laws, M, L, T, t0, t1, events, hits)
+        _predict_alone(i, sc, A, laws, M, L, T, t0, t1, events, boxes, hits)
     for i in range(m):
-        for j in range(i + 1, m):
-            _predict_pair(i, j, sc, A, laws, M, L, T, t0, t1, events, hits)
+        _predict_pairs(i, i + 1, sc, A, laws, M, L, T, t0, t1, events, boxes, hits)
     row = np.int64(0)
     while True:
-        first = np.int64(-1)  # a typed number: a plain one compiles every function it is given to twice
+        first = np.int64(-1)  # typed, or functions compile twice
         at = NEVER
         for i in range(m):
             if events[i].at < at:
@@ -181,11 +190,11 @@ def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, row
             return records, status, now, sc.balls[first].body, partner
         for k in range(m):
             if events[k].changed:
-                _predict(k, sc, A, laws, M, L, T, now, t1, events, hits)
+                _predict(k, sc, A, laws, M, L, T, now, t1, events, boxes, hits)
         for k in range(m):
             kind = events[k].what
             if not events[k].changed and (kind == WITH_BALL or kind == NEAR_BALL) and events[events[k].whom].changed:
-                _predict(k, sc, A, laws, M, L, T, now, t1, events, hits)
+                _predict(k, sc, A, laws, M, L, T, now, t1, events, boxes, hits)
         events[first].changed = 0
         if with_ball:
             events[whom].changed = 0

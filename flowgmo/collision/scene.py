@@ -33,7 +33,15 @@ BALL = np.dtype(
 )
 #: One flat: points with lo <= axes (x - origin) <= hi, axes (rows) orthonormal, bounds may be infinite.
 FLAT = np.dtype(
-    [("party", "i8"), ("origin", "f8", 3), ("axes", "f8", (3, 3)), ("lo", "f8", 3), ("hi", "f8", 3), ("face", "i8")],
+    [
+        ("party", "i8"),
+        ("origin", "f8", 3),
+        ("axes", "f8", (3, 3)),
+        ("lo", "f8", 3),
+        ("hi", "f8", 3),
+        ("face", "i8"),
+        ("box", "f8", 6),
+    ],
     align=True,
 )
 #: What two parties do: whether they may collide, restitution, friction.
@@ -43,7 +51,8 @@ PAIR = np.dtype([("allowed", "i8"), ("e", "f8"), ("mu", "f8")], align=True)
 class Scene(NamedTuple):
     """balls (m,) of BALL, flats (f,) of FLAT, pairs (n + 6, n + 6) of PAIR.
 
-    FLAT.face is the axis of the only face of a half-space, -1 for any other box.
+    FLAT.face is the axis of the only face of a half-space, -1 for any other box; FLAT.box its lowest and highest
+    corner in space axes.
     """
 
     balls: np.ndarray
@@ -93,7 +102,18 @@ def _flats(model: Model) -> np.ndarray:
             flat[name] = value
         finite = np.isfinite(np.stack([flat["lo"], flat["hi"]]))
         flat["face"] = int(np.argmax(finite.any(axis=0))) if finite.sum() == 1 else -1
+        flat["box"] = _bounding_box(flat)
     return flats
+
+
+def _bounding_box(flat: np.void) -> np.ndarray:
+    """(6,): lowest and highest corner of a flat in space axes; infinite where it has no end."""
+    # each space coordinate is a sum over the flat's axes; a zero component takes nothing from an infinite bound
+    with np.errstate(invalid="ignore"):
+        ends = [np.where(flat["axes"] == 0.0, 0.0, flat["axes"] * flat[side][:, None]) for side in ("lo", "hi")]
+    return np.concatenate(
+        [flat["origin"] + np.minimum(*ends).sum(axis=0), flat["origin"] + np.maximum(*ends).sum(axis=0)]
+    )
 
 
 def _acceleration_bounds(body: np.void, centre: np.ndarray, laws: Laws | None) -> tuple[float, float, float]:

@@ -53,6 +53,35 @@ def _series_speed(i, sc, A, M, L):
 
 
 @inner
+def bound_path(i, sc, A, laws, M, L, T, now, end, boxes, hits):
+    """boxes[i] (6): lowest and highest corner of all that ball i may touch from now to end, if no event comes.
+
+    With it two balls that cannot meet are told apart by six comparisons.
+    """
+    leg = L[i]
+    radius = sc.balls[i].radius * (1.0 + 1e-9)  # a touch is not to be lost by rounding
+    x, u = middle(i, sc, A, laws, M, L, T, now, hits)
+    span = end - now
+    far = 0.0
+    if leg.mode == SERIES:
+        far = _series_speed(i, sc, A, M, L) * span
+    elif leg.mode != FLIGHT:
+        far = (norm(u) + 0.5 * _acceleration_bound(i, sc, M, L, span) * span) * span
+    for k in range(3):
+        lo, hi = x[k] - far, x[k] + far
+        if leg.mode == FLIGHT:
+            a = leg.acc[k]
+            at_end = x[k] + (u[k] + 0.5 * a * span) * span
+            lo, hi = min(lo, at_end), max(hi, at_end)
+            if u[k] * a < 0.0 and abs(u[k]) < abs(a) * span:  # turns on the way
+                turn = x[k] - 0.5 * u[k] * u[k] / a
+                lo, hi = min(lo, turn), max(hi, turn)
+        rounding = 1e-14 * (abs(lo) + abs(hi))
+        boxes[i, k] = lo - radius - rounding
+        boxes[i, 3 + k] = hi + radius + rounding
+
+
+@inner
 def safe_step(d, speed, bound):
     """First root of d + speed τ - bound τ²/2 for d >= 0; infinity if there is none."""
     if bound > 0.0:
@@ -205,7 +234,7 @@ def _meets_straight(gap, relative, size, reach, now, end):
 
 @inner
 def _meets_slowly(i, j, sc, A, laws, M, L, T, now, end, hits):
-    """A ball in a bounce series has a speed, but no acceleration, that is bounded: advance by the gap over the speeds."""
+    """A ball in a bounce series has bounded speed, but no bounded acceleration: advance by the gap over the speeds."""
     reach = sc.balls[i].radius + sc.balls[j].radius
     x, u = middle(i, sc, A, laws, M, L, T, now, hits)
     y, w = middle(j, sc, A, laws, M, L, T, now, hits)
