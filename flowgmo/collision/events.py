@@ -81,9 +81,10 @@ def _predict_alone(i, sc, A, laws, M, L, T, now, end, events, boxes, hits):
 
 
 @inner
-def _predict(i, sc, A, laws, M, L, T, now, end, events, boxes, hits):
+def _predict(i, sc, A, laws, M, L, T, now, end, events, boxes, others, hits):
     _predict_alone(i, sc, A, laws, M, L, T, now, end, events, boxes, hits)
-    _predict_pairs(i, 0, sc, A, laws, M, L, T, now, end, events, boxes, hits)
+    if others is not None:
+        _predict_pairs(i, 0, sc, A, laws, M, L, T, now, end, events, boxes, hits)
 
 
 @inner
@@ -119,13 +120,15 @@ def _bring(i, sc, A, laws, M, L, books, now, at_its_end, records, count, hits):
 
 
 @kernel
-def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, rows_books, records, count, events):
+def run_events(
+    sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, rows_books, records, count, events, others
+):
     """Move all balls from t0 to t1 [time] through their impacts.
 
     A (n,) BODY, M (n,) POSE (changed), L (m,) LEG, T (n,) POSE for scratch, books (4,); asked (k,): times in (t0, t1]
     whose states of the balls go to rows (k, n) POSE, rows_force (k, n, 3), rows_books (k, 4). Impacts go to
     records, their number to count (1,). Returns records (grown if needed), status, time, and the two parties of a
-    status that is not DONE.
+    status that is not DONE. others: None where there is but one ball, and no code for pairs of balls.
     """
     m = sc.balls.size
     boxes = np.empty((m, 6))
@@ -143,7 +146,8 @@ def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, row
     for i in range(m):
         _predict_alone(i, sc, A, laws, M, L, T, t0, t1, events, boxes, hits)
     for i in range(m):
-        _predict_pairs(i, i + 1, sc, A, laws, M, L, T, t0, t1, events, boxes, hits)
+        if others is not None:
+            _predict_pairs(i, i + 1, sc, A, laws, M, L, T, t0, t1, events, boxes, hits)
     row = np.int64(0)
     while True:
         first = np.int64(-1)  # typed, or functions compile twice
@@ -179,10 +183,11 @@ def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, row
         status = DONE
         if what == WITH_FLAT:
             records, status = hit_flat(first, whom, sc, A, M, L, books, now, t1, records, count)
-        elif what == WITH_BALL:
-            records, status = hit_ball(first, whom, sc, A, M, books, now, records, count)
         elif what == END_OF_LEG:
             leg_over(first, sc, M, L)
+        if others is not None:
+            if what == WITH_BALL:
+                records, status = hit_ball(first, whom, sc, A, M, books, now, records, count)
         for k in range(m):
             if status == DONE and events[k].changed:
                 status = _start(k, sc, A, M, L, now)
@@ -190,11 +195,11 @@ def run_events(sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, row
             return records, status, now, sc.balls[first].body, partner
         for k in range(m):
             if events[k].changed:
-                _predict(k, sc, A, laws, M, L, T, now, t1, events, boxes, hits)
+                _predict(k, sc, A, laws, M, L, T, now, t1, events, boxes, others, hits)
         for k in range(m):
             kind = events[k].what
             if not events[k].changed and (kind == WITH_BALL or kind == NEAR_BALL) and events[events[k].whom].changed:
-                _predict(k, sc, A, laws, M, L, T, now, t1, events, boxes, hits)
+                _predict(k, sc, A, laws, M, L, T, now, t1, events, boxes, others, hits)
         events[first].changed = 0
         if with_ball:
             events[whom].changed = 0

@@ -28,6 +28,7 @@ class Collisions:
         self.scene = build_scene(model, arrays, laws)
         self.legs = np.zeros(len(self.scene.balls), LEG)
         self.events = np.zeros(len(self.scene.balls), EVENT)
+        self.others = self.events if len(self.scene.balls) > 1 else None
         self.count = np.zeros(1, dtype=np.int64)
         self.records = np.zeros((1024, resolve.WIDTH))
 
@@ -41,6 +42,7 @@ def move_colliding(world: World, state: State, t1: float, room: _Room) -> None:
     records, status, t, a, b = run_events(
         c.scene, world.arrays, world.laws, room.motion, c.legs, world.scratch, room.books, state.t, t1, room.asked,
         room.rows, room.contact_force, room.rows_books, c.records, c.count, c.events,
+        c.others,
     )  # fmt: skip
     c.records = records
     if status != resolve.DONE:
