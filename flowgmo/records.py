@@ -5,7 +5,7 @@ Rows are exact states at the asked times in a dry scene. n bodies (deck number m
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -52,6 +52,15 @@ class Rows:
     residual_torque: np.ndarray | None
     kinetic_energy: np.ndarray | None
     energy: dict[str, np.ndarray]
+
+    def only(self, keep: np.ndarray) -> Rows:
+        """The rows where keep (k,) is True."""
+
+        def cut(values: np.ndarray | None) -> np.ndarray | None:
+            return None if values is None else values[keep]
+
+        parts = {f.name: cut(getattr(self, f.name)) for f in fields(self) if f.name != "energy"}
+        return Rows(**parts, energy={name: values[keep] for name, values in self.energy.items()})
 
 
 def no_impacts() -> np.ndarray:

@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from flowgmo.errors import FlowgmoError, StepFailed
 from flowgmo.model import Model
 from flowgmo.output import (
     History,
+    OutputError,
     RestartError,
     RunLog,
     Snapshots,
@@ -26,6 +28,7 @@ from flowgmo.output import (
     write_restart,
     write_run_json,
 )
+from flowgmo.output.errors import replacing
 from flowgmo.records import Rows
 from flowgmo.state import State, initial_state
 
@@ -73,9 +76,12 @@ def run(model: Model, folder: Path, restart: Path | None, command_line: str) -> 
     try:
         job.world = prepare(model)
         with stopping_on_signals(job):
-            job.compute()
-    except StepFailed as error:
-        job.finish(FAILED, str(error))
+            try:
+                job.compute()
+            except StepFailed as error:
+                job.finish(FAILED, str(error))
+    except OutputError as error:
+        job.abandon(error)
     except BaseException:
         job.close_quietly()
         raise
@@ -97,22 +103,26 @@ class Job:
         self.log = RunLog(folder, resume_at=resume_at)
         self.history = History(folder, model, resume_at)
         self.snapshots = Snapshots(folder, model, resume_at)
-        (folder / "deck.resolved.nml").write_text(model.resolved_deck, encoding="utf-8")
+        with replacing(folder / "deck.resolved.nml") as temporary:
+            temporary.write_text(model.resolved_deck, encoding="utf-8")
         self.log.header(model)
         self.history_times = model.output.history.times(model.clock.end)
-        self.landings, self.full = _landing_times(model)
+        self.landings = model.output.snapshots.times(model.clock.end)
+        self.selected = _apart_from(self.landings, model.output.selected.times(model.clock.end))
 
     def compute(self) -> None:
         """Step until the end, a stop, or an interrupt."""
         from flowgmo.step import rows_of_state, step
 
         model, state = self.model, self.state
+        if not _kernels_cached():
+            self.log.print("first start: compiling the kernels of this scene, 5 to 25 s; later starts load them\n")
         if self.resume_at is None:
             self._write_rows(rows_of_state(self.world, state))
             self.snapshots.write(state)
         while state.t < model.clock.end and state.step < model.clock.last_step and not self.stop_asked:
             t1, landing = self.next_time()
-            asked = self._history_between(state.t, t1)
+            asked = np.union1d(_between(self.history_times, state.t, t1), _between(self.selected, state.t, t1))
             report = step(self.world, state, t1, asked, landing)
             began = time.perf_counter()
             if report.rows is not None:
@@ -120,7 +130,8 @@ class Job:
             if len(report.impacts):
                 self._note_impacts(report.impacts)
             if landing:
-                self._land(t1)
+                self.snapshots.write(state)
+                self._save()
             elif began - self.last_restart > model.output.restart_wall:
                 self._save()
             self.log.progress(state.t, state.step, t1 - state.t, state.impacts)
@@ -145,13 +156,15 @@ class Job:
             return landing, True
         return t1, False
 
-    def _history_between(self, t0: float, t1: float) -> np.ndarray:
-        a, b = np.searchsorted(self.history_times, [t0, t1], side="right")
-        return self.history_times[a:b]
-
     def _write_rows(self, rows: Rows) -> None:
-        self.history.write(rows)
-        self.last_rows = rows
+        """Rows at history times go to the history, those at selected times to pictures."""
+        for k in np.flatnonzero(np.isin(rows.t, self.selected)):
+            then = replace(self.state, t=float(rows.t[k]), p_WB=rows.p_WB[k], q_WB=rows.q_WB[k], v_WB=rows.v_WB[k])
+            self.snapshots.write(replace(then, w_WB=rows.w_WB[k]))
+        wanted = np.isin(rows.t, self.history_times) | (rows.t == 0.0)
+        if wanted.any():
+            self.last_rows = rows if wanted.all() else rows.only(wanted)
+            self.history.write(self.last_rows)
 
     def _note_impacts(self, impacts: np.ndarray) -> None:
         self.history.write_impacts(impacts)
@@ -163,12 +176,6 @@ class Job:
                 entry = self.per_body.setdefault(self.model.bodies[number - 1].name, {"count": 0, "impulse": 0.0})
                 entry["count"] += int(impacts["count"][mine].sum())
                 entry["impulse"] += float(sizes[mine].sum())
-
-    def _land(self, t: float) -> None:
-        self.snapshots.write(self.state)
-        self.history.flush()
-        if self.full[np.searchsorted(self.landings, t)]:
-            self._save()
 
     def _save(self) -> None:
         self.history.flush()
@@ -184,6 +191,16 @@ class Job:
         self.log.footer(summary)
         self.log.close()
         write_run_json(self.folder / "run.json", summary)
+
+    def abandon(self, error: OutputError) -> None:
+        """Nothing more can be written: say why, and leave what was written, with the last good restart file."""
+        self.code = FAILED
+        with suppress(Exception):  # the disk may be full for these too
+            self.log.footer(self._summary(FAILED, str(error)))
+        self.close_quietly()
+        with suppress(Exception):
+            write_run_json(self.folder / "run.json", self._summary(FAILED, str(error)))
+        print(f"flowgmo: {error}", file=sys.stderr)
 
     def close_quietly(self) -> None:
         """An error that is not ours to explain: leave readable files."""
@@ -213,15 +230,23 @@ class Job:
         }
 
 
-def _landing_times(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Times that steps end on (full and selected snapshots, the end), and which of them are full."""
-    full = model.output.snapshots.times(model.clock.end)
-    if not model.bodies:
-        return full, np.ones(len(full), dtype=bool)
-    every = np.union1d(full, model.output.selected.times(model.clock.end))
-    keep = np.append(np.diff(every) > 1e-9 * model.clock.end, True)  # 1e-9: the same time from two series
-    every = every[keep]
-    return every, np.array([np.abs(full - t).min() <= 1e-9 * model.clock.end for t in every])
+def _between(times: np.ndarray, t0: float, t1: float) -> np.ndarray:
+    """The times in (t0, t1]."""
+    a, b = np.searchsorted(times, [t0, t1], side="right")
+    return times[a:b]
+
+
+def _apart_from(times: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Those of `others` that are not, up to rounding, among `times` (not empty, ascending)."""
+    after = np.clip(np.searchsorted(times, others), 1, len(times) - 1) if len(times) > 1 else np.zeros(len(others), int)
+    gap = np.minimum(np.abs(others - times[after]), np.abs(others - times[after - 1]))
+    return others[gap > 1e-9 * times[-1]]
+
+
+def _kernels_cached() -> bool:
+    """Whether any compiled kernel of this version lies on disk."""
+    folder = os.environ.get("NUMBA_CACHE_DIR")
+    return folder is not None and any(Path(folder).rglob("*.nbc"))
 
 
 def _bound(intervals: object, t: float) -> float:

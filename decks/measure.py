@@ -1,0 +1,184 @@
+"""Measure what a deck of this folder is about, and print it beside its reference.
+
+    python decks/measure.py decks/anvil/anvil.out [more results ...]
+
+Reads history.h5 of the results and reference.csv beside the deck; the folder of the deck names the case. The same
+functions serve tests/decks, so the tables in the READMEs and the tests say the same thing.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+DECKS = Path(__file__).parent
+
+
+class Curves:
+    """The history of one run: time (n,), per body position, velocity, spin, ... (n, 3), impacts as arrays."""
+
+    def __init__(self, results: Path) -> None:
+        with h5py.File(results / "history.h5", "r") as file:
+            self.time = file["time"][:]
+            self.gravity = file.attrs["gravity"]
+            self.bodies = {
+                name: {quantity: table[:] for quantity, table in group.items()}
+                for name, group in file["bodies"].items()
+            }
+            self.mass = {name: float(group.attrs.get("mass", 0.0)) for name, group in file["bodies"].items()}
+            self.impacts = {name: table[:] for name, table in file["collisions"].items()}
+            self.regimes = [str(name) for name in file["collisions/regime"].attrs["names"]]
+            self.energy = {name: table[:] for name, table in file["energy"].items()}
+
+    def row(self, t: float) -> int:
+        """The row at time t."""
+        row = int(np.argmin(np.abs(self.time - t)))
+        assert abs(self.time[row] - t) <= 1e-9 * self.time[-1], f"no history row at t = {t}"
+        return row
+
+    def at(self, body: str, quantity: str, t: float | None = None) -> np.ndarray:
+        """A vector of a body at time t; without a time at the end."""
+        return self.bodies[body][quantity][-1 if t is None else self.row(t)]
+
+
+def body_axes(orientation: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors (n, 3) turned from space to body axes; orientation (n, 4) quaternions w x y z from body to space."""
+    w, r = orientation[:, :1], -orientation[:, 1:]
+    return vectors + 2.0 * np.cross(r, np.cross(r, vectors) + w * vectors)
+
+
+def central(curves: Curves, deck: str) -> dict[str, float]:
+    return {f"velocity of {body}": curves.at(body, "velocity")[0] for body in ("left", "right")}
+
+
+def anvil(curves: Curves, deck: str) -> dict[str, float]:
+    """Top i from the rows of flight i: t + w/g and z - R + w²/2g are the same for all of them."""
+    radius, g = 0.1, -curves.gravity[2]
+    z, w = curves.bodies["ball"]["position"][:, 2], curves.bodies["ball"]["velocity"][:, 2]
+    hits = curves.impacts["time"]
+    found = {}
+    for i in range(1, 10):
+        row = np.searchsorted(curves.time, hits[i - 1], side="right")
+        assert curves.time[row] < hits[i]
+        found[f"t{i}"] = curves.time[row] + w[row] / g
+        found[f"h{i}"] = z[row] - radius + w[row] ** 2 / (2 * g)
+    found["rest"] = hits[curves.impacts["regime"] == curves.regimes.index("rest")][-1]
+    found["height at the end"] = z[-1] - radius
+    return found
+
+
+def top(curves: Curves, deck: str) -> dict[str, float]:
+    """The period from the return of w1 after one, at the rate it has there: dw1/dt = (I2 - I3) / I1 w2 w3."""
+    plate, moments = curves.bodies["plate"], np.array([1.0, 2.0, 3.0])
+    w = body_axes(plate["orientation"], plate["angular_velocity"])
+    momentum = np.linalg.norm(w * moments, axis=1)
+    energy = plate["kinetic_energy"]
+    period = 39.105734197288
+    row = curves.row(period)
+    late = (w[row, 0] - w[0, 0]) / ((moments[1] - moments[2]) / moments[0] * w[0, 1] * w[0, 2])
+    return {
+        "period": period - late,
+        "change of energy": np.abs(energy / energy[0] - 1.0).max(),
+        "change of angular momentum": np.abs(momentum / momentum[0] - 1.0).max(),
+        "w2 at a quarter": w[curves.row(0.25 * period), 1],
+        "w2 at a half": w[curves.row(0.5 * period), 1],
+    }
+
+
+def pendulum(curves: Curves, deck: str) -> dict[str, float]:
+    """The period from the two last zeros of the angle's rate: cubic Hermite between the rows around them."""
+    body = curves.bodies["gate" if deck == "gate" else "rod"]
+    if deck == "stop":
+        return {
+            "time of the stop": curves.impacts["time"][0],
+            "stops met": len(curves.impacts["time"]),
+            "energy lost": curves.impacts["energy_loss"][0],
+            "angle at the end": np.degrees(2.0 * np.arccos(body["orientation"][-1, 0])),
+        }
+    height, climb = body["position"][:, 2], body["velocity"][:, 2]
+    tops = [_zero(curves.time, climb, k) for k in np.flatnonzero((climb[:-1] > 0.0) & (climb[1:] <= 0.0))]
+    return {"period": 2.0 * (tops[2] - tops[0]) / 2.0, "drop": height[0] - height.min()}
+
+
+def _zero(t: np.ndarray, y: np.ndarray, k: int) -> float:
+    """Where y passes zero between rows k and k + 1: the polynomial through the four rows around."""
+    near = slice(max(k - 1, 0), max(k - 1, 0) + 4)
+    scale = t[1] - t[0]
+    roots = np.roots(np.polyfit((t[near] - t[k]) / scale, y[near], 3))
+    roots = roots[np.abs(roots.imag) < 1e-9].real
+    return float(t[k] + scale * roots[np.argmin(np.abs(roots - 0.5))])
+
+
+def piston(curves: Curves, deck: str) -> dict[str, float]:
+    times = {"piston": (0.5, 1.3, 4.0), "stops": (0.1, 0.3, 0.9, 1.3, 2.0), "table": (0.4, 1.0, 2.5, 4.0)}[deck]
+    found = {}
+    for t in times:
+        found[f"x at {t} s"] = curves.at("piston", "position", t)[0]
+        found[f"force x at {t} s"] = curves.at("piston", "residual_force", t)[0]
+    found["force z"] = curves.at("piston", "residual_force")[2]
+    return found
+
+
+def billiards(curves: Curves, deck: str) -> dict[str, float]:
+    cue, target = (curves.at(body, "velocity", 1.0) for body in ("cue", "object"))
+    cross, dot = np.linalg.norm(np.cross(cue, target)), cue @ target
+    return {
+        "angle between": np.degrees(np.arctan2(cross, dot)),
+        "speed of cue": np.linalg.norm(cue),
+        "speed of object": np.linalg.norm(target),
+    }
+
+
+def chain(curves: Curves, deck: str) -> dict[str, float]:
+    return {f"velocity of ball{k}": curves.at(f"ball{k}", "velocity")[0] for k in range(1, 6)}
+
+
+def plane(curves: Curves, deck: str) -> dict[str, float]:
+    """Slip: velocity of the ball's lowest point along x, u - R omega_y."""
+    radius = 0.05 if deck == "impact" else 0.1
+    found = {}
+    for body in curves.bodies:
+        u, _, w = curves.at(body, "velocity")
+        slip = u - radius * curves.at(body, "angular_velocity")[1]
+        if deck == "impact":
+            found |= {f"slip of {body}": slip, f"rebound of {body}": w}
+        else:
+            found |= {f"way of {body}": curves.at(body, "position")[0], f"slip of {body}": slip}
+    return found
+
+
+CASES = {case.__name__: case for case in (central, anvil, top, pendulum, piston, billiards, chain, plane)}
+
+
+def measure(results: Path, case: str, deck: str) -> dict[str, float]:
+    """What the run in `results` of the deck decks/<case>/<deck>.nml gives, by the names in its reference.csv."""
+    return {name: float(value) for name, value in CASES[case](Curves(results), deck).items()}
+
+
+def reference(case: str, deck: str) -> dict[str, tuple[float, str]]:
+    """Value and unit of each quantity of a deck, from decks/<case>/reference.csv (deck, quantity, unit, value)."""
+    with (DECKS / case / "reference.csv").open(encoding="utf-8") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        return {row["quantity"]: (float(row["value"]), row["unit"]) for row in rows if row["deck"] == deck}
+
+
+def main() -> None:
+    """Print measured, reference and difference for each results folder on the command line."""
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    for name in sys.argv[1:]:
+        results = Path(name)
+        case, deck = results.resolve().parent.name, results.stem
+        print(f"{case}/{deck}")
+        expected = reference(case, deck)
+        for quantity, value in measure(results, case, deck).items():
+            target, unit = expected[quantity]
+            print(f"  {quantity:28} {value:18.12g} {target:18.12g} {unit:6} {value - target:10.1e}")
+
+
+if __name__ == "__main__":
+    main()
