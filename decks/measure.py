@@ -90,7 +90,7 @@ def top(curves: Curves, deck: str) -> dict[str, float]:
 
 
 def pendulum(curves: Curves, deck: str) -> dict[str, float]:
-    """The period from the two last zeros of the angle's rate: cubic Hermite between the rows around them."""
+    """The mass centre is highest twice a period, where its climb passes zero; the start is not counted."""
     body = curves.bodies["gate" if deck == "gate" else "rod"]
     if deck == "stop":
         return {
@@ -100,14 +100,14 @@ def pendulum(curves: Curves, deck: str) -> dict[str, float]:
             "angle at the end": np.degrees(2.0 * np.arccos(body["orientation"][-1, 0])),
         }
     height, climb = body["position"][:, 2], body["velocity"][:, 2]
-    tops = [_zero(curves.time, climb, k) for k in np.flatnonzero((climb[:-1] > 0.0) & (climb[1:] <= 0.0))]
-    return {"period": 2.0 * (tops[2] - tops[0]) / 2.0, "drop": height[0] - height.min()}
+    rows = np.flatnonzero((climb[:-1] > 0.0) & (climb[1:] <= 0.0))
+    first, third = (_zero(curves.time, climb, k) for k in rows[[0, 2]])
+    return {"period": third - first, "drop": height[0] - height.min()}
 
 
 def _zero(t: np.ndarray, y: np.ndarray, k: int) -> float:
-    """Where y passes zero between rows k and k + 1: the polynomial through the four rows around."""
-    near = slice(max(k - 1, 0), max(k - 1, 0) + 4)
-    scale = t[1] - t[0]
+    """Where y passes zero between rows k and k + 1: of the cubic through the four rows around."""
+    near, scale = slice(k - 1, k + 3), t[1] - t[0]
     roots = np.roots(np.polyfit((t[near] - t[k]) / scale, y[near], 3))
     roots = roots[np.abs(roots.imag) < 1e-9].real
     return float(t[k] + scale * roots[np.argmin(np.abs(roots - 0.5))])

@@ -166,7 +166,10 @@ def _energy(axes: plt.Axes, results: Results) -> None:
         axes.plot(curve.t, curve.y[:, 0], color=style.colour(k), label=_energy_name(curve.name))
     if curves:
         axes.set_ylabel(style.label("energy", curves[0].unit))
-        axes.legend(loc="best")
+        # above the curves, in a row: inside there is no corner that stays free
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high + 0.18 * (high - low))
+        axes.legend(loc="upper left", ncols=3, fontsize=9, columnspacing=1.0, handlelength=1.2)
     axes.xaxis.set_major_locator(MaxNLocator(5))
     style.fit_time(axes, results.t[0], results.t[-1], results.time_unit)
 

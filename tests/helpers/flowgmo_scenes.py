@@ -64,6 +64,7 @@ def solid(lo, hi, more=""):
 
 def rigid(inertia, mass=1.0, centre=(0, 0, 0), v=(0, 0, 0), w=(0, 0, 0), kind=4, more="", r=0.1):
     """A body with given mass data (a sphere to look at); inertia (3, 3)."""
+    inertia = np.add(inertia, np.transpose(inertia)) / 2  # the same to the last bit on both sides
     tensor = " ".join(
         f"tjmvb(#,{i + 1},{j + 1})={number(inertia[i][j])}," for i in range(3) for j in range(3) if inertia[i][j] != 0.0
     )

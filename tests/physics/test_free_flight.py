@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from flowgmo_scenes import Scene, ball, deck
+from flowgmo_scenes import Scene, ball, deck, rigid
 
 G = (0.3, -0.2, -9.81)
 
@@ -30,8 +30,6 @@ def test_fall_from_rest_is_exact_at_any_step(dt, collide):
 def test_a_free_ball_that_may_collide_turns_like_one_that_may_not():
     """Spin of a ball with different moments of inertia, in flight. Fails if the collision stage flies it with constant
     angular velocity: then the energy of rotation is not kept."""
-    from flowgmo_scenes import rigid
-
     inertia = np.diag([1.0, 2.0, 3.0]) * 1e-3
     spinning = rigid(inertia, w=(0.1, 1.0, 0.1), v=(1, 0, 0))
     alone = Scene(deck(spinning, collide=False)).to(3.0)

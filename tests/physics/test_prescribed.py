@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from flowgmo_scenes import Scene, deck, driven, matrix, on_axis, table
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
 
 def sinus(name, amplitude, frequency, phase=0.0):
@@ -47,8 +48,6 @@ def test_rotation_about_a_fixed_axis_of_any_direction(dt):
     s = Scene(deck(body, collide=False)).to(1.9, dt)
     angle = travel(2.0, 0.7, 10.0, 1.9)
     assert s.state.angle[0] == pytest.approx(angle, abs=1e-12)
-    from scipy.spatial.transform import Rotation
-
     np.testing.assert_allclose(s.p[0], Rotation.from_rotvec(angle * axis).apply([0.5, 0, 0]), atol=1e-12)
 
 

@@ -1,0 +1,118 @@
+"""Travel and angle limits: plastic impacts with partner 0 'limit' (DESIGN 6); prescribed bodies wait and return."""
+
+import numpy as np
+import pytest
+from flowgmo_scenes import Scene, deck, driven, on_axis, rigid, table
+
+from flowgmo.records import LIMIT
+
+UNIT = np.eye(3)
+G = 9.81
+
+
+def falling(more, v=(0, 0, 0), g=(0, 0, -G)):
+    return Scene(deck(rigid(UNIT, mass=2.0, v=v, more=more), g=g, collide=False))
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.3, 1.5])
+def test_a_falling_body_stops_and_stays(dt):
+    """Time, place, impulse and loss of the stop in closed form. Measured: 1e-15."""
+    s = falling("dzmcmin(#)=0.7,", v=(0.2, 0, 0)).to(1.5, dt, asked=[1.2])
+    when, speed = np.sqrt(1.4 / G), np.sqrt(1.4 * G)
+    np.testing.assert_allclose(s.p[0], [0.3, 0, -0.7], atol=1e-14)
+    np.testing.assert_array_equal(s.v[0], [0.2, 0, 0])
+    np.testing.assert_allclose(s.row("p_WB")[0, 0], [0.24, 0, -0.7], atol=1e-14)
+    assert len(s.impacts) == 1
+    hit = s.impacts[0]
+    assert (hit["a"], hit["b"], hit["regime"], hit["count"]) == (1, 0, LIMIT, 1)
+    assert hit["time"] == pytest.approx(when, rel=1e-13)
+    np.testing.assert_allclose(hit["impulse"], [0, 0, 2.0 * speed], rtol=1e-13)
+    np.testing.assert_allclose(hit["normal"], [0, 0, 1], atol=0)
+    assert hit["energy_loss"] == pytest.approx(2.0 * 0.7 * G, rel=1e-13)
+    assert abs(s.remainder()) < 1e-12
+
+
+@pytest.mark.parametrize("dt", [0.01, 1.5])
+def test_the_record_of_a_stop_says_where_it_was(dt):
+    """The mass centre at the time of the hit. Fails if it is where the body was when the step began."""
+    s = falling("dzmcmin(#)=0.7,", v=(0.2, 0, 0)).to(1.5, dt)
+    np.testing.assert_allclose(s.impacts[0]["point"], [0.2 * np.sqrt(1.4 / G), 0, -0.7], atol=1e-12)
+
+
+def test_thrown_against_a_stop_it_returns_under_gravity():
+    """Up to the stop at .3, then free fall from there."""
+    for dt in (0.05, 0.6):
+        s = falling("dzmcmax(#)=0.3,", v=(0, 0, 4.0)).to(0.6, dt)
+        when = (4.0 - np.sqrt(16.0 - 0.6 * G)) / G
+        np.testing.assert_allclose(s.p[0, 2], 0.3 - G * (0.6 - when) ** 2 / 2, atol=1e-13)
+        assert s.impacts["time"] == pytest.approx([when], rel=1e-13)
+
+
+@pytest.mark.parametrize("dt", [0.01, 2.0])
+def test_no_step_takes_a_body_past_its_second_stop(dt):
+    """Thrown up to +.05, back, and down to -.05, in one step as in many."""
+    s = falling("dzmcmax(#)=0.05, dzmcmin(#)=0.05,", v=(0, 0, 1.0)).to(2.0, dt)
+    np.testing.assert_allclose(s.p[0], [0, 0, -0.05], atol=1e-14)
+    assert len(s.impacts) == 2
+
+
+def test_a_zero_travel_holds_a_component():
+    s = falling("dzmcmin(#)=0.0, dzmcmax(#)=0.0,", v=(0.5, 0, 1.0)).to(1.0, 0.1)
+    np.testing.assert_allclose(s.p[0], [0.5, 0, 0], atol=1e-14)
+
+
+@pytest.mark.parametrize("dt", [0.05, 2.0])
+def test_a_load_presses_a_body_against_its_stop(dt):
+    """F = 2 over .5: the stop takes all of F s, and the load does no work on a body that stands."""
+    body = rigid(UNIT, more="igf(#)=1, fxtobs(1,#)=2.0, dxmcmax(#)=0.5,")
+    s = Scene(deck(body, collide=False)).to(2.0, dt)
+    np.testing.assert_allclose(s.p[0], [0.5, 0, 0], atol=1e-14)
+    assert s.impacts["time"] == pytest.approx([np.sqrt(0.5)], rel=1e-9)
+    assert s.state.books[3] == pytest.approx(1.0, rel=1e-9)
+    assert abs(s.remainder()) < 1e-9
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.1, 2.0])
+def test_it_leaves_the_stop_when_the_load_turns(dt):
+    """F falls from +2 to -2 between t = 1 and 1.3, so it turns at 1.15. Then x = .5 + ∫∫F."""
+    body = rigid(UNIT, more="igf(#)=1," + table("fxtobs", [2, 2, -2, -2]) + " dxmcmax(#)=0.5,")
+    s = Scene(deck(body, times=[0, 1, 1.3, 3], collide=False)).to(2.0, dt)
+    ramp, slope = 0.15, 4 / 0.3
+    expected = -slope * ramp**3 / 6 - slope * ramp**2 / 2 * 0.7 - 2 * 0.7**2 / 2
+    assert s.p[0, 0] - 0.5 == pytest.approx(expected, rel=1e-6)
+    assert abs(s.remainder()) < 1e-9
+
+
+@pytest.mark.parametrize("dt", [0.01, 1.5])
+def test_angle_limit_of_a_pendulum(dt):
+    """Released at 60°, stopped 20° on: loss m g l (cos 40° - cos 60°), impulse moment J ω. Degrees in the deck."""
+    moment, mass, arm = 0.7, 2.0, 0.4
+    centre = (arm * np.sin(np.pi / 3), 0, -arm * np.cos(np.pi / 3))
+    body = on_axis(moment, (0, 1, 0), mass, centre, more="anglmax(#)=20.0, anglmin(#)=0.0,")
+    s = Scene(deck(body, g=(0, 0, -G), collide=False)).to(1.5, dt)
+    lost = mass * G * arm * (np.cos(np.radians(40)) - 0.5)
+    assert s.state.angle[0] == pytest.approx(np.radians(20), abs=1e-13)
+    assert len(s.impacts) == 1
+    assert s.impacts["energy_loss"][0] == pytest.approx(lost, rel=1e-9)
+    np.testing.assert_allclose(s.impacts["impulse"][0], [0, -np.sqrt(2 * moment * lost), 0], rtol=1e-9)
+    assert abs(s.remainder()) < 1e-9
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.25, 1.0])
+def test_a_prescribed_body_waits_at_its_limit_and_returns(dt):
+    """u = sin 2πt comes back at once when it turns: from .2 at t = .5 to .2 - 1/π at t = 1."""
+    s = Scene(deck(driven((0, 0, 0), more="iupre(#)=1, uamp(#)=1.0, ufre(#)=1.0, dxmcmax(#)=0.2,"), collide=False))
+    s.to(0.5, min(dt, 0.5))
+    assert s.p[0, 0] == pytest.approx(0.2, abs=1e-13)
+    s.to(1.0, min(dt, 0.5))
+    assert s.p[0, 0] == pytest.approx(0.2 - 1 / np.pi, abs=1e-12)
+
+
+def test_a_driven_axis_waits_at_its_angle():
+    body = on_axis(1.0, (0, 0, 1), centre=(0.5, 0, 0), kind=3, more="omxpre(#)=0, anglmax(#)=30.0,".replace(
+        "omxpre", "iomxpre") + table("omxtobs", [1.0, 1.0, -1.0, -1.0]))  # fmt: skip
+    s = Scene(deck(body, times=[0, 1, 1, 2.0][:2] + [1.5, 3.0], collide=False)).to(1.0)
+    assert s.state.angle[0] == pytest.approx(np.pi / 6, abs=1e-14)
+    assert s.w[0] @ s.w[0] == 0.0
+    s.to(2.5)  # turns at 1.25: 1/16 back until 1.5, then 1.0
+    assert s.state.angle[0] == pytest.approx(np.pi / 6 - 0.125 * 0.5 * 1.0 * 1 - 1.0 - 0.0625, abs=1e-12)
