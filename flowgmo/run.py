@@ -112,7 +112,8 @@ class Job:
 
     def compute(self) -> None:
         """Step until the end, a stop, or an interrupt."""
-        from flowgmo.step import rows_of_state, step
+        from flowgmo.rows import rows_of_state
+        from flowgmo.step import step
 
         model, state = self.model, self.state
         if not _kernels_cached():
@@ -122,6 +123,7 @@ class Job:
             self.snapshots.write(state)
         while state.t < model.clock.end and state.step < model.clock.last_step and not self.stop_asked:
             t1, landing = self.next_time()
+            dt = t1 - state.t
             asked = np.union1d(_between(self.history_times, state.t, t1), _between(self.selected, state.t, t1))
             report = step(self.world, state, t1, asked, landing)
             began = time.perf_counter()
@@ -134,7 +136,7 @@ class Job:
                 self._save()
             elif began - self.last_restart > model.output.restart_wall:
                 self._save()
-            self.log.progress(state.t, state.step, t1 - state.t, state.impacts)
+            self.log.progress(state.t, state.step, dt, state.impacts)
             self.writing += time.perf_counter() - began
         if self.stop_asked:
             self.finish(INTERRUPTED, "interrupted; restart.h5 holds the state, go on with --restart")

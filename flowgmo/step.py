@@ -14,37 +14,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from flowgmo.bodies.arrays import POSE, STILL, pack
-from flowgmo.bodies.energy import kinetic_energy, potential_energy
-from flowgmo.bodies.laws import Laws
+from flowgmo.bodies.arrays import STILL, pack
 from flowgmo.bodies.move import move_alone
 from flowgmo.errors import StepFailed
 from flowgmo.model import Model
 from flowgmo.records import IMPACT, LIMIT, Rows, no_impacts
-from flowgmo.state import BOOKS, State, initial_state
+from flowgmo.rows import energy_at_start, ledger_of, make_rows
+from flowgmo.state import State, initial_state
+from flowgmo.world import Room, World, poses_of
 
 KERNELS = "loading kernels"  # where the first call of every stage is booked
 MAX_HITS = 4096  # stops that one step may record; further ones still act
-
-
-@dataclass
-class World:
-    """What kernels need of a Model, made once: bodies (n,) of BODY, laws (None: all ballistic), stages, scratch."""
-
-    model: Model
-    arrays: np.ndarray
-    laws: Laws | None
-    movers: np.ndarray
-    collisions: object | None
-    stages: tuple[tuple[str, Callable], ...]
-    scratch: np.ndarray
-    energy_at_start: float
-    ledger: tuple[tuple[str, int, float], ...]
-    seconds: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass
@@ -69,8 +53,6 @@ def prepare(model: Model) -> World:
 
         collisions = Collisions(model, arrays, laws)
         stages.append(("collisions", move_colliding))
-    start = initial_state(model)
-    energy = kinetic_energy(arrays, start.q_WB[None], start.v_WB[None], start.w_WB[None])[0]
     return World(
         model=model,
         arrays=arrays,
@@ -78,9 +60,9 @@ def prepare(model: Model) -> World:
         movers=moving,
         collisions=collisions,
         stages=tuple(stages),
-        scratch=poses_of(start),
-        energy_at_start=float(energy[_coupled(model)].sum()),
-        ledger=_ledger(model),
+        scratch=poses_of(initial_state(model)),
+        energy_at_start=energy_at_start(model, arrays),
+        ledger=ledger_of(model),
     )
 
 
@@ -91,7 +73,7 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
     lost and given. asked (k,): times in (state.t, t1] whose exact states are wanted; they do not change the step.
     Raises StepFailed, with the state unchanged.
     """
-    room = _Room(world, state, asked)
+    room = Room(world, state, asked)
     for name, stage in world.stages:  # only what the deck asks for
         began = time.perf_counter()
         stage(world, state, t1, room)
@@ -109,105 +91,7 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
     return Report(rows=rows, impacts=impacts)
 
 
-def poses_of(state: State) -> np.ndarray:
-    """The State's moving part as one array (n,) of dtype POSE."""
-    poses = np.zeros(len(state.p_WB), POSE)
-    for name, values in zip(POSE.names, _parts(state), strict=True):
-        poses[name] = values
-    return poses
-
-
-def _parts(state: State) -> tuple[np.ndarray, ...]:
-    """The State's arrays in the order of POSE."""
-    return state.p_WB, state.q_WB, state.v_WB, state.w_WB, state.angle, state.hold, state.support
-
-
-class _Room:
-    """Where the stages of one step work: a copy of the state, so that a failed step leaves the state as it was.
-
-    rows (k, n) of POSE start with the state, for bodies that do not move; rows_books (k, 4) with nothing.
-    """
-
-    def __init__(self, world: World, state: State, asked: np.ndarray) -> None:
-        self.asked = asked
-        self.motion = poses_of(state)
-        self.books = state.books.copy()
-        self.rows = np.repeat(self.motion[None], asked.size, axis=0)
-        self.rows_books = np.zeros((asked.size, len(BOOKS)))
-        self.contact_force = np.zeros((asked.size, len(self.motion), 3)) if world.collisions else None
-        self.impacts: list[np.ndarray] = []
-
-    def store(self, state: State) -> None:
-        for name, values in zip(POSE.names, _parts(state), strict=True):
-            values[...] = self.motion[name]
-        state.books[:] = self.books
-
-
-def rows_of_state(world: World, state: State) -> Rows:
-    """One row: the state as it stands (used at t = 0)."""
-    force = np.zeros((1, len(state.p_WB), 3)) if world.collisions else None
-    return make_rows(world, np.array([state.t]), poses_of(state)[None], force, state.books[None])
-
-
-def make_rows(
-    world: World, t: np.ndarray, poses: np.ndarray, contact_force: np.ndarray | None, books: np.ndarray
-) -> Rows:
-    """History rows from states (k, n) of POSE: energies and residual loads are added here."""
-    model, arrays = world.model, world.arrays
-    p, q, v, w = (np.ascontiguousarray(poses[name]) for name in "pqvw")
-    kinetic = kinetic_energy(arrays, q, v, w)
-    residual = _residuals(world, t, poses)
-    energy: dict[str, np.ndarray] = {}
-    coupled = _coupled(model)
-    if coupled.any():
-        energy["kinetic"] = kinetic[:, coupled].sum(axis=1)
-        energy["potential"] = potential_energy(arrays, p)[:, coupled].sum(axis=1)
-        remainder = energy["kinetic"] + energy["potential"] - world.energy_at_start
-        for name, place, sign in world.ledger:
-            energy[name] = books[:, place]
-            remainder = remainder - sign * books[:, place]
-        energy["remainder"] = remainder
-    has_mass = any(body.mass is not None for body in model.moving)
-    return Rows(
-        t=t,
-        p_WB=p,
-        q_WB=q,
-        v_WB=v,
-        w_WB=w,
-        contact_force=contact_force,
-        residual_force=residual[0] if residual else None,
-        residual_torque=residual[1] if residual else None,
-        kinetic_energy=kinetic if has_mass else None,
-        energy=energy,
-    )
-
-
-def _residuals(world: World, t: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    if not world.model.has("residual"):
-        return None
-    from flowgmo.bodies.residual import residual_rows
-
-    force, torque = np.zeros((*poses.shape, 3)), np.zeros((*poses.shape, 3))
-    residual_rows(world.arrays, world.laws, t, poses, force, torque)
-    return force, torque
-
-
-def _ledger(model: Model) -> tuple[tuple[str, int, float], ...]:
-    """Books that the scene's effects can write: name, place in State.books, +1 gives energy to the bodies, -1 takes."""
-    calls = {
-        "impacts": model.has("collisions") or model.has("stops"),
-        "dissipated": model.has("friction"),
-        "work_prescribed": model.has("prescribed") or model.has("residual"),
-        "work_loads": model.has("control loads"),
-    }
-    return tuple((name, i, 1.0 if name.startswith("work") else -1.0) for i, name in enumerate(BOOKS) if calls[name])
-
-
-def _coupled(model: Model) -> np.ndarray:
-    return np.array([body.coupled for body in model.bodies], dtype=bool)
-
-
-def _move_alone(world: World, state: State, t1: float, room: _Room) -> None:
+def _move_alone(world: World, state: State, t1: float, room: Room) -> None:
     """Stage `motion`: bodies that nothing can hit; stops they meet become impacts with partner 0."""
     hits = np.zeros((MAX_HITS, 4))
     hit_body = np.zeros(MAX_HITS, dtype=np.int64)

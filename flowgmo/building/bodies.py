@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from flowgmo.bodies.body import (
@@ -22,13 +20,11 @@ from flowgmo.bodies.body import (
     Stops,
     Table,
 )
+from flowgmo.building.findings import Findings
 from flowgmo.building.mass import build_mass
 from flowgmo.building.shapes import build_shape
 from flowgmo.deck import Deck
 from flowgmo.geometry import Component, GeometryError
-
-if TYPE_CHECKING:
-    from flowgmo.building.build import Findings
 
 KINDS = {0: SOLID, 3: PRESCRIBED, 4: COUPLED}
 CONSTRAINTS = {0: SIX_DEGREES, 1: FIXED_AXIS, 2: FIXED_AXIS, 3: FIXED_AXIS, 4: FIXED_POINT}

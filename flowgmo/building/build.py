@@ -10,24 +10,10 @@ from flowgmo.building.bodies import build_body
 from flowgmo.building.contacts import build_contacts
 from flowgmo.building.domain import build_mesh
 from flowgmo.building.effects import list_effects
+from flowgmo.building.findings import Findings
 from flowgmo.building.times import build_clock, build_output
-from flowgmo.deck import Deck, DeckError, Notice, Problem
+from flowgmo.deck import Deck, DeckError
 from flowgmo.model import Model
-
-
-class Findings:
-    """Problems and notices collected while a Model is built."""
-
-    def __init__(self, deck: Deck) -> None:
-        self.deck = deck
-        self.problems: list[Problem] = []
-        self.notices: list[Notice] = list(deck.notices)
-
-    def problem(self, name: str, *index: int, wrong: str, write: str) -> None:
-        self.problems.append(self.deck.problem(name, *index, wrong=wrong, write=write))
-
-    def notice(self, name: str, *index: int, wrong: str, write: str = "") -> None:
-        self.notices.append(self.deck.notice(name, *index, wrong=wrong, write=write))
 
 
 def build_model(deck: Deck, folder: Path | None = None) -> Model:

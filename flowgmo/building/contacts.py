@@ -6,17 +6,13 @@ checked pair by pair; everything else is refused with what to write instead.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from flowgmo.bodies.body import FIXED_AXIS, FIXED_POINT, SIX_DEGREES, SOLID, Body
+from flowgmo.building.findings import Findings
 from flowgmo.geometry import overlap_depth
 from flowgmo.mesh import SYMMETRY, Mesh, Side
 from flowgmo.model import ContactPlan
-
-if TYPE_CHECKING:
-    from flowgmo.building.build import Findings
 
 OVERLAP = 1e-6  # part of the smaller body's size by which two may overlap at the start (DESIGN 6)
 ISOTROPIC = 1e-9  # relative spread of the moments of inertia up to which a body counts as a ball

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from flowgmo.bodies.body import FIXED_AXIS, MassData
+from flowgmo.building.findings import Findings
 from flowgmo.deck import Deck
 from flowgmo.geometry import Component, GeometryError, check_inertia
-
-if TYPE_CHECKING:
-    from flowgmo.building.build import Findings
 
 
 def build_mass(found: Findings, m: int, shape: Component, constraint: str) -> tuple[MassData | None, bool]:

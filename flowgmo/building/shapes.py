@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from flowgmo.building.findings import Findings
 from flowgmo.deck import Deck
 from flowgmo.geometry import Component, GeometryError, Limits, Piece, Quadric, StlMesh, Torus, Transform, read_stl
-
-if TYPE_CHECKING:
-    from flowgmo.building.build import Findings
 
 ROLES = {1: "solid", 0: "hole", -1: "complement"}
 COEFFICIENTS = ("CC", "CX", "CY", "CZ", "CXY", "CXZ", "CYZ", "CX2", "CY2", "CZ2", "CRXY")

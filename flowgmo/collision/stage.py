@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from flowgmo.bodies.laws import Laws
@@ -16,9 +14,7 @@ from flowgmo.mesh import SIDE_NAMES
 from flowgmo.model import Model
 from flowgmo.records import IMPACT
 from flowgmo.state import State
-
-if TYPE_CHECKING:
-    from flowgmo.step import World, _Room
+from flowgmo.world import Room, World
 
 
 class Collisions:
@@ -33,7 +29,7 @@ class Collisions:
         self.records = np.zeros((1024, resolve.WIDTH))
 
 
-def move_colliding(world: World, state: State, t1: float, room: _Room) -> None:
+def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     """Move all balls to t1 [time] through their impacts; records go to room.impacts.
 
     Raises StepFailed; step.py then restores the state.

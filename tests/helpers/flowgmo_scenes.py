@@ -12,8 +12,10 @@ import numpy as np
 
 from flowgmo.building import build_model
 from flowgmo.deck import parse_deck
-from flowgmo.step import prepare, rows_of_state, step
+from flowgmo.rows import rows_of_state
+from flowgmo.step import prepare, step
 from flowgmo.state import initial_state
+from flowgmo.step import prepare, step
 
 NONE = np.zeros(0)
 OPEN, MIRRORS, WALLS = (3,) * 6, (1,) * 6, (2,) * 6

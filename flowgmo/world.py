@@ -1,0 +1,63 @@
+"""What a run keeps beside the Model and the State: kernels' arrays made once, and the room in which one step works."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from flowgmo.bodies.arrays import POSE
+from flowgmo.bodies.laws import Laws
+from flowgmo.model import Model
+from flowgmo.state import BOOKS, State
+
+
+@dataclass
+class World:
+    """What kernels need of a Model, made once: bodies (n,) of BODY, laws (None: all ballistic), stages, scratch."""
+
+    model: Model
+    arrays: np.ndarray
+    laws: Laws | None
+    movers: np.ndarray
+    collisions: object | None
+    stages: tuple[tuple[str, Callable], ...]
+    scratch: np.ndarray
+    energy_at_start: float
+    ledger: tuple[tuple[str, int, float], ...]
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+class Room:
+    """Where the stages of one step work: a copy of the state, so that a failed step leaves the state as it was.
+
+    rows (k, n) of POSE start with the state, for bodies that do not move; rows_books (k, 4) with nothing.
+    """
+
+    def __init__(self, world: World, state: State, asked: np.ndarray) -> None:
+        self.asked = asked
+        self.motion = poses_of(state)
+        self.books = state.books.copy()
+        self.rows = np.repeat(self.motion[None], asked.size, axis=0)
+        self.rows_books = np.zeros((asked.size, len(BOOKS)))
+        self.contact_force = np.zeros((asked.size, len(self.motion), 3)) if world.collisions else None
+        self.impacts: list[np.ndarray] = []
+
+    def store(self, state: State) -> None:
+        for name, values in zip(POSE.names, _parts(state), strict=True):
+            values[...] = self.motion[name]
+        state.books[:] = self.books
+
+
+def poses_of(state: State) -> np.ndarray:
+    """The State's moving part as one array (n,) of dtype POSE."""
+    poses = np.zeros(len(state.p_WB), POSE)
+    for name, values in zip(POSE.names, _parts(state), strict=True):
+        poses[name] = values
+    return poses
+
+
+def _parts(state: State) -> tuple[np.ndarray, ...]:
+    """The State's arrays in the order of POSE."""
+    return state.p_WB, state.q_WB, state.v_WB, state.w_WB, state.angle, state.hold, state.support
