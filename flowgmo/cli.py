@@ -10,6 +10,7 @@ import os
 import shlex
 import sys
 import traceback
+import warnings
 from pathlib import Path
 
 import click
@@ -40,10 +41,9 @@ def run(deck: Path, output: Path | None, overwrite: bool, restart: Path | None, 
 
     if threads:
         os.environ["NUMBA_NUM_THREADS"] = str(threads)
-    folder = output or deck.with_suffix(".out")
-    if restart and not output:
-        folder = restart.parent
-    model = build_model(read_deck(deck), folder)
+    read = read_deck(deck)
+    folder = output or (restart.parent if restart else deck.with_suffix(".out"))
+    model = build_model(read, folder)
     if restart and not restart.is_file():
         raise flowgmo_error(f"there is no restart file {restart}")
     prepare_folder(folder, overwrite, restart is not None)
@@ -75,8 +75,8 @@ def explain(name: str | None) -> None:
     try:
         click.echo(row(name))
     except KeyError as error:
-        near = ", ".join(str(a) for a in error.args[1:]) or ", ".join(map(str, error.args))
-        raise flowgmo_error(f"there is no variable {name}. Near it: {near}") from None
+        near = f"Near it: {', '.join(error.args)}" if error.args else "flowgmo explain lists all"
+        raise flowgmo_error(f"there is no variable {name}. {near}") from None
 
 
 def flowgmo_error(text: str) -> Exception:
@@ -97,11 +97,27 @@ def _say(text: str) -> None:
     click.secho(text, err=True, fg="red" if sys.stderr.isatty() else None)
 
 
+def _prepare_streams() -> None:
+    """Signs that the terminal's encoding lacks become '?', and numpy's warnings about overflow stay inside."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    if not os.environ.get("FLOWGMO_DEBUG"):
+        warnings.simplefilter("ignore", RuntimeWarning)
+
+
+def _without_reader() -> None:
+    """Who read our output is gone (`flowgmo explain | head`): nothing more to say, also at the very end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(FAILED)
+
+
 def main() -> None:
     """Entry point: turns every error into a text and an exit code."""
     from flowgmo.deck.errors import DeckError
     from flowgmo.errors import FlowgmoError
 
+    _prepare_streams()
     try:
         cli(standalone_mode=False)
     except click.exceptions.Abort:
@@ -124,6 +140,11 @@ def main() -> None:
         sys.exit(INTERRUPTED)
     except MemoryError:
         _say("flowgmo: the machine's memory is not enough for this scene")
+        sys.exit(FAILED)
+    except BrokenPipeError:
+        _without_reader()
+    except OSError as error:
+        _say(f"flowgmo: {error.filename or 'a file'}: {error.strerror or error}")
         sys.exit(FAILED)
     except Exception as error:
         if os.environ.get("FLOWGMO_DEBUG"):

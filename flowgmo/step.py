@@ -28,7 +28,7 @@ from flowgmo.state import State, initial_state
 from flowgmo.world import Room, World, poses_of
 
 KERNELS = "loading kernels"  # where the first call of every stage is booked
-MAX_HITS = 4096  # stops that one step may record; further ones still act
+MAX_HITS = 64  # stops that one step may record; further ones still act
 
 
 @dataclass
@@ -93,7 +93,7 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
 
 def _move_alone(world: World, state: State, t1: float, room: Room) -> None:
     """Stage `motion`: bodies that nothing can hit; stops they meet become impacts with partner 0."""
-    hits = np.zeros((MAX_HITS, 4))
+    hits = np.zeros((MAX_HITS, 7))
     hit_body = np.zeros(MAX_HITS, dtype=np.int64)
     count, failed = move_alone(
         world.movers, world.arrays, world.laws, room.motion, room.books, state.t, t1, room.asked, room.rows,
@@ -106,10 +106,10 @@ def _move_alone(world: World, state: State, t1: float, room: Room) -> None:
             "bound. Check its control loads, mass and inertia"
         )
     if count:
-        room.impacts.append(_stop_records(world, state, hits[:count], hit_body[:count]))
+        room.impacts.append(_stop_records(world, hits[:count], hit_body[:count]))
 
 
-def _stop_records(world: World, state: State, hits: np.ndarray, hit_body: np.ndarray) -> np.ndarray:
+def _stop_records(world: World, hits: np.ndarray, hit_body: np.ndarray) -> np.ndarray:
     """Records of stops met: partner 0, plastic; for an angle stop the impulse is the moment's, along the axis."""
     out = np.zeros(len(hits), IMPACT)
     out["time"] = hits[:, 0]
@@ -121,5 +121,5 @@ def _stop_records(world: World, state: State, hits: np.ndarray, hit_body: np.nda
         direction = np.eye(3)[k] if k < 3 else world.arrays["axis"][b]
         out["impulse"][i] = amount * direction
         out["normal"][i] = np.sign(amount) * direction
-        out["point"][i] = state.p_WB[b] if k < 3 else world.arrays["point"][b]
+        out["point"][i] = hits[i, 4:7]
     return out

@@ -10,7 +10,7 @@ import numpy as np
 from flowgmo.bodies.arrays import POSE
 from flowgmo.bodies.laws import Laws
 from flowgmo.model import Model
-from flowgmo.state import BOOKS, State
+from flowgmo.state import State
 
 
 @dataclass
@@ -32,7 +32,7 @@ class World:
 class Room:
     """Where the stages of one step work: a copy of the state, so that a failed step leaves the state as it was.
 
-    rows (k, n) of POSE start with the state, for bodies that do not move; rows_books (k, 4) with nothing.
+    rows (k, n) of POSE and rows_books (k, 4) start with the state; every stage adds what it changes until each row.
     """
 
     def __init__(self, world: World, state: State, asked: np.ndarray) -> None:
@@ -40,7 +40,7 @@ class Room:
         self.motion = poses_of(state)
         self.books = state.books.copy()
         self.rows = np.repeat(self.motion[None], asked.size, axis=0)
-        self.rows_books = np.zeros((asked.size, len(BOOKS)))
+        self.rows_books = np.repeat(state.books[None], asked.size, axis=0)
         self.contact_force = np.zeros((asked.size, len(self.motion), 3)) if world.collisions else None
         self.impacts: list[np.ndarray] = []
 

@@ -244,8 +244,8 @@ def _error(K, y, step, hinged):
     a hinge's angle count as they are.
     """
     turn = 1.0
-    place = 1.0 if hinged else _group(y, V) * step + _group(K[0], V) * step * step
     speed = _group(y, V) + (_group(K[0], V) + _group(K[STAGES], V)) * step
+    place = 1.0 if hinged else speed * step
     spin = _group(y, W) + (_group(K[0], W) + _group(K[STAGES], W)) * step
     err3 = 0.0
     err5 = 0.0

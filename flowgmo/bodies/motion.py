@@ -38,7 +38,7 @@ from flowgmo.vectors import (
 FROM_PRESCRIBED, FROM_LOADS, IN_IMPACTS = 2, 3, 0  # places in State.books
 STOP_SLICES = 8  # parts of a step in which a forced body with stops is watched: what happens within one is missed
 FAILED = -1
-NO_STOP, FAILED_LEG = -1, -2
+NO_STOP, FAILED_LEG, LET_GO = -1, -2, -3
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -46,8 +46,8 @@ _UNTURNED = (1.0, 0.0, 0.0, 0.0)
 def fly(body, row, laws, books, t0, t1, hits):
     """Move one body from t0 to t1 [time]: body of dtype BODY, row of dtype POSE (changed), books (4,) added to.
 
-    hits (m, 4): rows (time, component 0-2 or 3 for the angle, momentum taken by the stop, energy lost) are filled as
-    far as there is room. Returns the number of hits, or FAILED when an integration gave up.
+    hits (m, 7): rows (time, component 0-2 or 3 for the angle, momentum taken by the stop, energy lost, B then) are
+    filled as far as there is room. Returns the number of hits, or FAILED when an integration gave up.
     """
     motion = body.motion
     if motion == STILL or t1 <= t0:
@@ -78,37 +78,44 @@ def _parabola(body, row, h):
 @inner
 def _fall(body, row, books, t0, t1, hits):
     """Parabola with stops. Components are independent: each runs to its own stop, if it has one, and is held there."""
-    h = t1 - t0
     n = np.int64(0)
+    start, speed_then = triple(row.p), triple(row.v)
     for k in range(3):
         g = body.gravity[k]
-        if row.hold[k] != 0:
-            if g * row.hold[k] >= 0.0 and row.v[k] == 0.0:
-                continue
-            row.hold[k] = 0
-        away = row.p[k] - body.origin[k]
-        left = h
-        for side in (1.0, -1.0):
-            stop = body.hi[k] if side > 0.0 else body.lo[k]
-            if np.isfinite(stop):
-                at = first_crossing(side * (stop - away), side * row.v[k], side * g)
-                if at <= left:
-                    left = at
-                    row.hold[k] = 1 if side > 0.0 else -1
-        if row.hold[k] == 0:
-            row.p[k] += row.v[k] * h + 0.5 * g * h * h
-            row.v[k] += g * h
-            continue
-        speed = row.v[k] + g * left
-        row.p[k] = body.origin[k] + (body.hi[k] if row.hold[k] > 0 else body.lo[k])
-        n = _hit(hits, n, t0 + left, k, -body.mass * speed, 0.5 * body.mass * speed * speed, books)
-        row.v[k] = 0.0
-        if g * row.hold[k] < 0.0:  # gravity pulls it back for the rest of the interval
-            rest = h - left
-            row.hold[k] = 0
-            row.p[k] += 0.5 * g * rest * rest
-            row.v[k] = g * rest
+        t = t0
+        while t < t1:
+            if row.hold[k] != 0:
+                if g * row.hold[k] >= 0.0:  # it stays: nothing but gravity acts
+                    break
+                row.hold[k] = 0
+            away = row.p[k] - body.origin[k]
+            up = first_crossing(body.hi[k] - away, row.v[k], g)
+            down = first_crossing(away - body.lo[k], -row.v[k], -g)
+            dt = min(up, down)
+            if not t + dt <= t1:
+                dt = t1 - t
+                row.p[k] += row.v[k] * dt + 0.5 * g * dt * dt
+                row.v[k] += g * dt
+                break
+            t += dt
+            speed = row.v[k] + g * dt
+            row.hold[k] = 1 if up < down else -1
+            row.p[k] = body.origin[k] + (body.hi[k] if up < down else body.lo[k])
+            row.v[k] = 0.0
+            place = (
+                _fallen(body, 0, start, speed_then, t - t0),
+                _fallen(body, 1, start, speed_then, t - t0),
+                _fallen(body, 2, start, speed_then, t - t0),
+            )
+            n = _hit(hits, n, t, k, -body.mass * speed, 0.5 * body.mass * speed * speed, place, books)
     return n
+
+
+@inner
+def _fallen(body, k, start, speed, t):
+    """Coordinate k of B after t of free fall, no farther than its stops."""
+    away = start[k] - body.origin[k] + (speed[k] + 0.5 * body.gravity[k] * t) * t
+    return body.origin[k] + min(max(away, body.lo[k]), body.hi[k])
 
 
 @inner
@@ -127,8 +134,9 @@ def first_crossing(gap, v, a):
 
 
 @inner
-def _hit(hits, n, t, k, impulse, loss, books):
+def _hit(hits, n, t, k, impulse, loss, place, books):
     if n < hits.shape[0]:
+        put(hits[n, 4:7], place)
         hits[n, 0] = t
         hits[n, 1] = k
         hits[n, 2] = impulse
@@ -231,19 +239,25 @@ def _integrated(body, row, laws, books, t0, t1, hits):
 @inner
 def _let_go(body, row, laws, t):
     """Release the components that nothing presses against their stop any more."""
+    pushes = _pushes(body, row, laws, t, quad(row.q), unrotate(quad(row.q), triple(row.w)))
+    for k in range(4):
+        if row.hold[k] != 0 and pushes[k] * row.hold[k] < 0.0:
+            row.hold[k] = 0
+
+
+@inner
+def _pushes(body, row, laws, t, q, w_B):
+    """Accelerations (x, y, z, angle) that loads would give the components that are held; zero for the others."""
     if body.hinge == 1:
+        push = 0.0
         if row.hold[3] != 0:
             push, _ = hinge_acceleration(body, laws, t, row.angle)
-            if push * row.hold[3] < 0.0:
-                row.hold[3] = 0
-        return
-    if body.mass == 0.0:
-        return
-    q = quad(row.q)
-    dv, _, _, _, _, _ = accelerations(body, laws, t, q, unrotate(q, triple(row.w)), body.coupled, True)
-    for k in range(3):
-        if row.hold[k] != 0 and body.coupled[k] and dv[k] * row.hold[k] < 0.0:
-            row.hold[k] = 0
+        return (0.0, 0.0, 0.0, push)
+    held = row.hold[0] != 0 or row.hold[1] != 0 or row.hold[2] != 0
+    if not held or body.mass == 0.0:
+        return (0.0, 0.0, 0.0, 0.0)
+    dv, _, _, _, _, _ = accelerations(body, laws, t, q, w_B, body.coupled, True)
+    return (dv[0], dv[1], dv[2], 0.0)
 
 
 @inner
@@ -262,16 +276,25 @@ def _attempt(body, row, laws, t0, t1, y):
         if row.hold[3] != 0:
             y[V] = 0.0
             return True
-    return integrate(body, laws, t0, t1, y, row.angle, body.coupled)
+    free = body.coupled.copy()
+    for k in range(3):
+        if row.hold[k] != 0:
+            free[k] = 0  # as if driven, with velocity zero
+    return integrate(body, laws, t0, t1, y, row.angle, free)
 
 
 @inner
-def _beyond(body, row, y):
-    """The component that is farthest beyond a stop; NO_STOP if none is."""
-    worst, which = 0.0, NO_STOP
+def _beyond(body, row, laws, t, y):
+    """What y at time t is too late for: a component beyond a stop, LET_GO if a held one is pressed no more; NO_STOP."""
+    q = normalized((y[Q], y[Q + 1], y[Q + 2], y[Q + 3]))
+    pushes = _pushes(body, row, laws, t, q, (y[W], y[W + 1], y[W + 2]))
+    for k in range(4):
+        if row.hold[k] != 0 and pushes[k] * row.hold[k] < 0.0:
+            return LET_GO
     if body.hinge == 1:
         at = row.angle + y[X]
         return 3 if row.hold[3] == 0 and (at > body.hi[3] or at < body.lo[3]) else NO_STOP
+    worst, which = 0.0, NO_STOP
     for k in range(3):
         if row.hold[k] == 0 and body.coupled[k]:
             at = row.p[k] - body.origin[k] + y[X + k]
@@ -290,16 +313,16 @@ def _leg(body, row, laws, books, t0, t1):
     end = t1
     k = NO_STOP
     if body.stopped:
-        k = _beyond(body, row, y)
-        if k >= 0:
+        k = _beyond(body, row, laws, t1, y)
+        if k != NO_STOP:
             lo, hi = t0, t1
             for _ in range(60):  # halves the interval to round-off
                 mid = 0.5 * (lo + hi)
                 if mid <= lo or mid >= hi:
                     break
                 _attempt(body, row, laws, t0, mid, y)
-                beyond = _beyond(body, row, y)
-                if beyond >= 0:
+                beyond = _beyond(body, row, laws, mid, y)
+                if beyond != NO_STOP:
                     hi, k = mid, beyond
                 else:
                     lo = mid
@@ -344,11 +367,12 @@ def _stop_component(body, row, books, t, k, hits, n):
     if k == 3:
         rate = dot(row.w, body.axis)
         row.hold[3] = 1 if rate > 0.0 else -1
-        n = _hit(hits, n, t, 3, -body.hinge_moment * rate, 0.5 * body.hinge_moment * rate * rate, books)
+        loss = 0.5 * body.hinge_moment * rate * rate
+        n = _hit(hits, n, t, 3, -body.hinge_moment * rate, loss, triple(body.point), books)
         place_hinged(body, row, row.angle, 0.0)
         return n
     row.hold[k] = 1 if row.v[k] > 0.0 else -1
-    n = _hit(hits, n, t, k, -body.mass * row.v[k], 0.5 * body.mass * row.v[k] ** 2, books)
     row.p[k] = body.origin[k] + (body.hi[k] if row.hold[k] > 0 else body.lo[k])
+    n = _hit(hits, n, t, k, -body.mass * row.v[k], 0.5 * body.mass * row.v[k] ** 2, triple(row.p), books)
     row.v[k] = 0.0
     return n

@@ -13,11 +13,11 @@ def move_alone(movers, A, laws, M, books, t0, t1, asked, rows, rows_books, hits,
     """Move bodies `movers` (k,) from t0 to t1 [time].
 
     A (n,) BODY, M (n,) POSE (changed), books (4,). asked (r,) in (t0, t1]: states into rows (r, n) POSE, which hold the
-    state at t0 on entry, and what the motion adds to the books into rows_books (r, 4). hits (h, 4), hit_body (h,):
+    state at t0 on entry, and what the motion adds to the books into rows_books (r, 4). hits (h, 7), hit_body (h,):
     stops met, as motion.fly reports. Returns the number of hits and the body whose integration failed, or -1.
     """
     count = 0
-    none = np.zeros((0, 4))
+    none = np.zeros((0, 7))
     for b in movers:
         for r in range(asked.size):
             if fly(A[b], rows[r, b], laws, rows_books[r], t0, asked[r], none) == FAILED:

@@ -14,7 +14,7 @@ from flowgmo.bodies.arrays import DRIVEN, FORCED
 from flowgmo.bodies.forced import accelerations, control_loads, inertia_about, tensor_times
 from flowgmo.bodies.laws import rate
 from flowgmo.kernel import inner, kernel
-from flowgmo.vectors import add, along, cross, put, quad, rotate, scale, sub, triple, unrotate
+from flowgmo.vectors import add, along, cross, dot, put, quad, rotate, scale, sub, triple, unrotate
 
 
 @inner
@@ -39,8 +39,17 @@ def residual_load(body, row, laws, t):
     if body.hinge == 2:  # the tensor about B, not about the point
         i = body.inertia
         inertia = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
+    if body.hinge == 1 and inertia[0] + inertia[1] + inertia[2] == 0.0:
+        return force, sub(scale(_moment_about_B(body), rotate(q, alpha_B)), rotate(q, m))
     torque = sub(add(tensor_times(inertia, alpha_B), cross(w_B, tensor_times(inertia, w_B))), m)
     return force, rotate(q, torque)
+
+
+@inner
+def _moment_about_B(body):
+    """Of a body of which only the moment about its fixed axis is given: J - m d² (Steiner)."""
+    lever = cross(triple(body.axis), triple(body.arm))
+    return body.hinge_moment - body.mass * dot(lever, lever)
 
 
 @inner

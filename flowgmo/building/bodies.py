@@ -35,6 +35,12 @@ UNLIMITED = 1e19  # the deck's default for "no limit"
 def build_body(found: Findings, m: int, domain: np.ndarray) -> Body | None:
     """Component m as a Body; None, with problems, if something is missing. domain (2, 3) bounds of the mesh."""
     deck = found.deck
+    if not deck.at("IFCOMPENABLED", m):
+        found.problem(
+            "IFCOMPENABLED", m, wrong="components that are left out are not computed yet",
+            write="Remove the component from the deck and number the others anew",
+        )  # fmt: skip
+        return None
     shape = build_shape(found, m)
     if shape is None:
         return None

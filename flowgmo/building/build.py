@@ -22,7 +22,11 @@ def build_model(deck: Deck, folder: Path | None = None) -> Model:
     folder: where results will go; file names in the resolved deck are relative to it.
     """
     found = Findings(deck)
-    mesh = build_mesh(deck)
+    clock = build_clock(found)
+    output = build_output(found, clock)
+    mesh = build_mesh(found)
+    if found.problems:
+        raise DeckError(found.problems, found.notices)
     bodies = tuple(build_body(found, m, mesh.bounds) for m in range(1, int(deck["NOBS"]) + 1))
     if found.problems:
         raise DeckError(found.problems, found.notices)
@@ -34,8 +38,8 @@ def build_model(deck: Deck, folder: Path | None = None) -> Model:
         stem=deck.path.stem,
         units=str(deck["UNITS"] or ""),
         resolved_deck=deck.resolved(folder),
-        clock=build_clock(deck),
-        output=build_output(deck),
+        clock=clock,
+        output=output,
         gravity=np.array([deck["GX"], deck["GY"], deck["GZ"]], dtype=float),
         mesh=mesh,
         bodies=bodies,

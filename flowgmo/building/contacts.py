@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.body import FIXED_AXIS, FIXED_POINT, SIX_DEGREES, SOLID, Body
+from flowgmo.bodies.body import FIXED_AXIS, FIXED_POINT, SIX_DEGREES, SOLID, Body, Sinusoid, Table
 from flowgmo.building.findings import Findings
 from flowgmo.geometry import overlap_depth
 from flowgmo.mesh import SYMMETRY, Mesh, Side
@@ -48,16 +48,18 @@ def _allowed(found: Findings, bodies: tuple[Body, ...], mesh: Mesh) -> np.ndarra
     """(n + 6, n + 6): at least one partner coupled, both orders of ICLIDOB, neither (m, m) zero."""
     deck, n = found.deck, len(bodies)
     allowed = np.zeros((n + 6, n + 6), dtype=bool)
-    takes_part = [bool(deck.at("ICLIDOB", i + 1, i + 1)) for i in range(n)]
-    for i in range(n):
-        for j in range(i + 1, n):
-            coupled = bodies[i].coupled or bodies[j].coupled
-            wanted = coupled and takes_part[i] and takes_part[j]
-            if wanted and deck.at("ICLIDOB", i + 1, j + 1) and deck.at("ICLIDOB", j + 1, i + 1):
-                allowed[i, j] = allowed[j, i] = True
-        for side in mesh.sides:
-            if bodies[i].coupled and takes_part[i] and side.stops_bodies:
-                allowed[i, n + side.number] = allowed[n + side.number, i] = True
+    coupled = np.array([body.coupled for body in bodies], dtype=bool)
+    allowed[:n, :n] = coupled[:, None] | coupled
+    for side in mesh.sides:
+        if side.stops_bodies:
+            allowed[:n, n + side.number] = allowed[n + side.number, :n] = coupled
+    for a, b in deck.indices("ICLIDOB"):  # not given is ICLID, 1 here
+        if deck.at("ICLIDOB", a, b) == 0:
+            if a == b:
+                allowed[a - 1] = allowed[:, a - 1] = False
+            else:
+                allowed[a - 1, b - 1] = allowed[b - 1, a - 1] = False
+    np.fill_diagonal(allowed, False)
     return allowed
 
 
@@ -149,9 +151,7 @@ def _unfit_ball(body: Body, rough: bool) -> str:
     if body.stops.any:
         return "has travel or angle limits"
     if not body.coupled:
-        turning = sum(
-            1 for d in body.drives[3:] if getattr(d.law, "amplitude", None) or not getattr(d.law, "is_zero", False)
-        )
+        turning = sum(not _is_zero(d.law) for d in body.drives[3:])
         return "is driven about several axes" if turning > 1 and body.constraint != FIXED_AXIS else ""
     if body.constraint == FIXED_POINT:
         return "turns about a fixed point"
@@ -164,9 +164,13 @@ def _unfit_ball(body: Body, rough: bool) -> str:
     if np.linalg.norm(centre - body.origin) > ISOTROPIC * radius:
         return "has its mass centre off its middle"
     moments = np.linalg.eigvalsh(body.mass.inertia)
-    if rough and np.ptp(moments) > ISOTROPIC * moments[-1]:
-        return "has different moments of inertia, and friction"
+    if np.ptp(moments) > ISOTROPIC * moments[-1]:
+        return "has different moments of inertia about its axes"
     return ""
+
+
+def _is_zero(law: Table | Sinusoid) -> bool:
+    return law.amplitude == 0.0 if isinstance(law, Sinusoid) else law.is_zero
 
 
 def _not_yet(found: Findings, i: int, what: str) -> None:
@@ -181,10 +185,10 @@ def _not_yet(found: Findings, i: int, what: str) -> None:
 
 def _check_overlaps(found: Findings, bodies: tuple[Body, ...], allowed: np.ndarray) -> None:
     n = len(bodies)
+    boxes = np.array([body.shape.bounds() for body in bodies])
     for i in range(n):
-        for j in range(i + 1, n):
-            if not allowed[i, j]:
-                continue
+        near = (boxes[:, 0] <= boxes[i, 1]).all(axis=1) & (boxes[i, 0] <= boxes[:, 1]).all(axis=1)
+        for j in np.flatnonzero(near & allowed[i, :n] & (np.arange(n) > i)):
             size = min(_size(bodies[i]), _size(bodies[j]))
             depth = _depth(bodies[i], bodies[j])
             if depth > OVERLAP * size:

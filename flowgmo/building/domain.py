@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from flowgmo.deck import Deck
 from flowgmo.mesh import Block, Mesh, Side, graded_planes
 
+if TYPE_CHECKING:
+    from flowgmo.building.build import Findings
 
-def build_mesh(deck: Deck) -> Mesh:
-    """The one mesh block of the deck, with its six sides."""
+MOST_CELLS = 1_000_000  # along one axis: with a single cell across, more than a machine computes in a day
+
+
+def build_mesh(found: Findings) -> Mesh | None:
+    """The one mesh block of the deck, with its six sides; None, with a problem, if it cannot be made."""
+    deck = found.deck
     sides = tuple(Side(n, int(deck.at("IBCT", n + 1))) for n in range(6))
     sizes = _default_size(deck)
-    planes = [_planes(deck, axis, sizes) for axis in "XYZ"]
+    counts = [_counts(found, axis, sizes) for axis in "XYZ"]
+    if any(c is None for c in counts):
+        return None
+    planes = [
+        graded_planes(_anchors(deck, axis), c, _end_sizes(deck, axis)) for axis, c in zip("XYZ", counts, strict=True)
+    ]
     block = Block(*planes, neighbours=sides, name=str(deck["MESHNAME"] or ""))
     return Mesh(blocks=(block,), sides=sides)
 
@@ -33,27 +46,41 @@ def _default_size(deck: Deck) -> float | None:
     return None
 
 
-def _planes(deck: Deck, axis: str, size: float | None) -> np.ndarray:
-    anchors = _anchors(deck, axis)
-    lengths = np.diff(anchors)
-    ends = [
-        float(deck.at(f"SIZE{axis}", n)) if deck.given(f"SIZE{axis}", n) else None for n in range(1, len(anchors) + 1)
-    ]
-    counts = [int(deck.at(f"N{axis}CELL", n)) if deck.given(f"N{axis}CELL", n) else 0 for n in range(1, len(anchors))]
+def _end_sizes(deck: Deck, axis: str) -> list[float | None]:
+    """Cell sizes asked for at the mesh planes of one axis [length]."""
+    name, planes = f"SIZE{axis}", range(1, len(_anchors(deck, axis)) + 1)
+    return [float(deck.at(name, n)) if deck.given(name, n) else None for n in planes]
+
+
+def _counts(found: Findings, axis: str, size: float | None) -> list[int] | None:
+    """Cells of each interval between the mesh planes of one axis; None, with a problem, if there are too many."""
+    deck = found.deck
+    lengths = np.diff(_anchors(deck, axis))
+    ends = _end_sizes(deck, axis)
+    counts = [float(deck.at(f"N{axis}CELL", n) if deck.given(f"N{axis}CELL", n) else 0) for n in range(1, len(ends))]
     total = int(deck[f"N{axis}CELT"]) if deck.given(f"N{axis}CELT") else 0
     for i, length in enumerate(lengths):
         if counts[i]:
             continue
         mean = [s for s in (ends[i], ends[i + 1]) if s]
         if mean and not total:
-            counts[i] = max(1, round(length / float(np.mean(mean))))
+            counts[i] = max(1.0, np.round(length / float(np.mean(mean))))
         elif size is not None and not total:
-            counts[i] = max(1, round(length / size))
+            counts[i] = max(1.0, np.round(length / size))
+    if not max(sum(counts), total) <= MOST_CELLS or not np.isfinite(lengths.sum()):
+        name = next((n for n in (f"N{axis}CELT", f"N{axis}CELL", f"SIZE{axis}") if deck.given(n)), f"P{axis}")
+        index = () if name.endswith("CELT") else (min(deck.indices(name), default=(2,)))
+        found.problem(
+            name, *index, wrong=f"the mesh has {max(sum(counts), total):.3g} cells over {lengths.sum():.3g} in "
+            f"{axis.lower()}, no machine computes them", write=f"Write n{axis.lower()}celt={MOST_CELLS} at most",
+        )  # fmt: skip
+        return None
+    counts = [int(n) for n in counts]
     open_ends = [i for i, n in enumerate(counts) if n == 0]
     left = max(total - sum(counts), len(open_ends)) if open_ends else 0
     for i, n in zip(open_ends, _shares(lengths[open_ends], left), strict=True):
         counts[i] = n
-    return graded_planes(anchors, counts, ends)
+    return counts
 
 
 def _shares(lengths: np.ndarray, cells: int) -> list[int]:

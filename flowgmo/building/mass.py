@@ -15,9 +15,8 @@ def build_mass(found: Findings, m: int, shape: Component, constraint: str) -> tu
     deck = found.deck
     if deck.at("IPRPMVB", m) == 1:
         return _given(found, m, constraint)
-    dense = [n for (n,) in deck.indices("RHOSUB") if deck.at("IOB", n) == m and deck.at("RHOSUB", n) > 0.0]
     density = float(deck.at("RHOMVB", m))
-    if density <= 0.0 and not dense:
+    if density <= 0.0 and not any(p.density for p in shape.pieces if p.role != "hole"):
         return None, True
     try:
         whole = shape.mass_properties(density)
@@ -28,12 +27,19 @@ def build_mass(found: Findings, m: int, shape: Component, constraint: str) -> tu
             write=f"Close the shape with limiters, or give the mass: iprpmvb({m})=1, massmvb({m})=...",
         )  # fmt: skip
         return None, False
-    if not whole.mass > 0.0:
+    if not _usable(whole.mass, whole.inertia):
         found.problem(
-            "RHOMVB", m, wrong=f"the body's mass is {whole.mass:.6g}", write="Give a positive density to every part"
-        )
+            "RHOMVB", m, wrong=f"the body's mass is {whole.mass:.6g}, with which no motion can be computed",
+            write="Give a positive density to every part, or use other units",
+        )  # fmt: skip
         return None, False
     return MassData(whole.mass, np.array(whole.centre), np.array(whole.inertia), error=float(whole.error)), True
+
+
+def _usable(mass: float, inertia: np.ndarray) -> bool:
+    """Whether mass and moments are positive, and they and their inverses are numbers."""
+    tiny, huge = np.finfo(float).tiny, np.finfo(float).max
+    return tiny < mass < huge and bool((np.diag(inertia) > tiny).all() and (np.abs(inertia) < huge).all())
 
 
 def _given(found: Findings, m: int, constraint: str) -> tuple[MassData | None, bool]:

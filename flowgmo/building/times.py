@@ -2,35 +2,86 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from flowgmo.deck import Deck
 from flowgmo.model import ClockPlan, Intervals, OutputPlan
 
+if TYPE_CHECKING:
+    from flowgmo.building.build import Findings
 
-def build_clock(deck: Deck) -> ClockPlan:
-    """End, steps, and their bounds [time]."""
-    return ClockPlan(
+MOST_TIMES = 10_000_000  # of one kind of output: 80 MB of times in memory, and at least that on disk
+
+
+def build_clock(found: Findings) -> ClockPlan:
+    """End, steps, and their bounds [time]. Problems: steps with which the clock would not advance."""
+    deck = found.deck
+    clock = ClockPlan(
         end=float(deck["TWFIN"]),
         dt=float(deck["DELT"]),
         dt_min=float(deck["DTMIN"]),
         dt_max=_intervals(deck, "TDTMAX", "TEDITDT"),
         last_step=int(deck["ITWFIN"]),
     )
+    least = max(clock.dt_min, float(np.spacing(min(clock.end, _reach(clock)))))  # t + dt must differ from t
+    if not clock.dt >= least:
+        name = "DELT" if deck.given("DELT") else "TWFIN"
+        found.problem(
+            name, wrong=f"the step {clock.dt:.3g} is too small to advance the clock to twfin={clock.end:.6g}",
+            write="Write a larger delt, or other units of time",
+        )  # fmt: skip
+        return clock
+    for k, dt in enumerate(clock.dt_max.spacing):
+        if dt < least:
+            found.problem(
+                "TDTMAX", k + 1, wrong=f"the largest step is smaller than the smallest one, dtmin={least:.3g}",
+                write="Write a larger tdtmax, or a smaller dtmin",
+            )  # fmt: skip
+    return clock
 
 
-def build_output(deck: Deck) -> OutputPlan:
-    """Intervals of history, snapshots and log, and the probes' places."""
+def build_output(found: Findings, clock: ClockPlan) -> OutputPlan:
+    """Intervals of history, snapshots and log, and the probes' places. Problems: more times than can be kept."""
+    deck = found.deck
     probes = sorted({k for name in ("XLOC", "YLOC", "ZLOC") for (k,) in deck.indices(name)})
     places = [[float(deck.at(f"{axis}LOC", k) or 0.0) for axis in "XYZ"] for k in probes]
     return OutputPlan(
-        history=_intervals(deck, "THPLTD", "TEDIT"),
-        snapshots=_intervals(deck, "TPLTD", "TEDIT"),
-        selected=_intervals(deck, "TAPLTD", "TEDIT"),
-        log=_intervals(deck, "TSPRTD", "TEDIT"),
+        history=_output_intervals(found, "THPLTD", clock),
+        snapshots=_output_intervals(found, "TPLTD", clock),
+        selected=_output_intervals(found, "TAPLTD", clock),
+        log=_output_intervals(found, "TSPRTD", clock),
         restart_wall=float(deck["RESTART_DT"]),
         probes=np.array(places, dtype=float).reshape(-1, 3),
     )
+
+
+def _reach(clock: ClockPlan) -> float:
+    """A time that the number of steps cannot pass; only the last step before an output time is longer than dt."""
+    return (clock.last_step + 1) * clock.dt
+
+
+def _output_intervals(found: Findings, name: str, clock: ClockPlan) -> Intervals:
+    """Intervals of one kind of output; times that the number of steps cannot reach are left out."""
+    intervals = _intervals(found.deck, name, "TEDIT")
+    reach = _reach(clock)
+    if reach < clock.end:
+        before = intervals.ends < reach
+        n = int(before.sum())
+        intervals = Intervals(
+            spacing=np.append(intervals.spacing[: n + 1], clock.end), ends=np.append(intervals.ends[before], reach)
+        )
+    starts = np.concatenate([[0.0], np.minimum(intervals.ends, clock.end)])
+    with np.errstate(divide="ignore", invalid="ignore"):  # twfin/1000 may underflow to zero
+        counts = np.diff(np.append(starts, clock.end)) / intervals.spacing
+    k = int(np.argmax(counts))
+    if not counts[k] <= MOST_TIMES:
+        found.problem(
+            name, k + 1, wrong=f"this gives {counts[k]:.3g} rows or pictures until twfin={clock.end:.6g}",
+            write=f"Write {name.lower()}({k + 1})={clock.end / 1000:.3g} or the like",
+        )  # fmt: skip
+    return intervals
 
 
 def _intervals(deck: Deck, name: str, ends: str) -> Intervals:

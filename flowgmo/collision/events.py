@@ -30,6 +30,7 @@ from flowgmo.vectors import along, dot, put, triple
 
 # what an event is; NEAR: look again from here
 NOTHING, WITH_BALL, WITH_FLAT, END_OF_LEG, NEAR_BALL, NEAR_FLAT = 0, 1, 2, 3, 4, 5
+COLLAPSED = 200  # events of one ball in a row at one time after which its impacts are plastic (inelastic collapse)
 STALLED = 2000  # events of one ball in a row at one time: it comes to rest where no closed form exists
 
 #: The next event of a ball: when, what, and with whom (ball or flat).
@@ -88,11 +89,11 @@ def _predict(i, sc, A, laws, M, L, T, now, end, events, boxes, others, hits):
 
 
 @inner
-def _start(i, sc, A, M, L, t):
+def _start(i, sc, A, M, L, t, end):
     """Start ball i's next leg at t; a bounce series if the last impact found that it ends within the step."""
     leg = L[i]
     if leg.flat < 0:
-        return start_leg(i, sc, A, M, L, t)
+        return start_leg(i, sc, A, M, L, t, end)
     b = sc.balls[i].body
     leg.t = t
     leg.mode = SERIES
@@ -132,7 +133,7 @@ def run_events(
     """
     m = sc.balls.size
     boxes = np.empty((m, 6))
-    hits = np.zeros((0, 4))
+    hits = np.zeros((0, 7))
     now = t0
     count[0] = 0
     for i in range(m):
@@ -140,7 +141,7 @@ def run_events(
         L[i].bounces = 0
         events[i].stalls = 0
         events[i].changed = 0
-        status = start_leg(i, sc, A, M, L, t0)
+        status = start_leg(i, sc, A, M, L, t0, t1)
         if status != DONE:
             return records, status, t0, sc.balls[i].body, -1
     for i in range(m):
@@ -169,6 +170,8 @@ def run_events(
             partner = sc.balls[whom].body
         elif what == WITH_FLAT or what == NEAR_FLAT:
             partner = sc.flats[whom].party
+        # impacts without end in no time: what is left of the speeds is below rounding, and is taken away
+        collapsed = events[first].stalls > COLLAPSED
         if events[first].stalls > STALLED:
             return records, RESTS_ON_ROUND, now, sc.balls[first].body, partner
         events[first].changed = 1
@@ -182,15 +185,15 @@ def run_events(
                     return records, FAILED, now, sc.balls[k].body, -1
         status = DONE
         if what == WITH_FLAT:
-            records, status = hit_flat(first, whom, sc, A, M, L, books, now, t1, records, count)
+            records, status = hit_flat(first, whom, sc, A, M, L, books, now, t1, collapsed, records, count)
         elif what == END_OF_LEG:
             leg_over(first, sc, M, L)
         if others is not None:
             if what == WITH_BALL:
-                records, status = hit_ball(first, whom, sc, A, M, books, now, records, count)
+                records, status = hit_ball(first, whom, sc, A, M, books, now, collapsed, records, count)
         for k in range(m):
             if status == DONE and events[k].changed:
-                status = _start(k, sc, A, M, L, now)
+                status = _start(k, sc, A, M, L, now, t1)
         if status != DONE:
             return records, status, now, sc.balls[first].body, partner
         for k in range(m):

@@ -47,6 +47,7 @@ LEG = np.dtype(
         ("ground", "f8", 3),
         ("until", "f8"),
         ("why", "i8"),
+        ("slides", "i8"),
         ("flat", "i8"),
         ("normal", "f8", 3),
         ("e", "f8"),
@@ -66,8 +67,8 @@ def speed_tolerance(ball, body, v):
 
 
 @inner
-def start_leg(i, sc, A, M, L, now):
-    """Choose ball i's leg from its row at `now`: supports that press stay, others are dropped. Returns a status."""
+def start_leg(i, sc, A, M, L, now, end):
+    """Choose ball i's leg from its row at `now` in a step until `end`: supports that press stay. Returns a status."""
     ball = sc.balls[i]
     leg = L[i]
     body = A[ball.body]
@@ -75,6 +76,7 @@ def start_leg(i, sc, A, M, L, now):
     leg.t = now
     leg.until = np.inf
     leg.why = GOES_ON
+    leg.slides = 0
     put(leg.force, (0.0, 0.0, 0.0))
     put(leg.alp, (0.0, 0.0, 0.0))
     put(leg.acc, body.gravity)
@@ -108,14 +110,15 @@ def start_leg(i, sc, A, M, L, now):
             n = triple(normals[k])
             if pressing == 1:
                 mu = sc.pairs[ball.body, sc.flats[row.support[k]].party].mu
-                acc, alp, force, lasts, rolls = plane_leg(
+                acc, alp, force, lasts, slides, rolls = plane_leg(
                     triple(row.v), triple(row.w), n, triple(body.gravity), mu, ball.radius, body.mass,
-                    1.0 / ball.inverse_inertia,
+                    1.0 / ball.inverse_inertia, end - now,
                 )  # fmt: skip
                 put(leg.acc, acc)
                 put(leg.alp, alp)
                 put(leg.force, force)
                 leg.until = now + lasts
+                leg.slides = slides
                 leg.why = ROLLS if rolls else GOES_ON
             else:
                 put(leg.acc, along(triple(leg.acc), press[k], n))
@@ -198,7 +201,7 @@ def run_leg(ball, body, row, leg, laws, books, t, hits):
         return True
     if mode == FLIGHT:
         v, w, acc, alp = triple(row.v), triple(row.w), triple(leg.acc), triple(leg.alp)
-        if leg.force[0] != 0.0 or leg.force[1] != 0.0 or leg.force[2] != 0.0:
+        if leg.slides:
             books[IN_FRICTION] += friction_loss(
                 v, w, triple(leg.ground), acc, alp, triple(leg.force), ball.radius, dt
             )  # fmt: skip

@@ -107,13 +107,14 @@ def _push(ball, body, row, n, side, impulse):
 
 
 @inner
-def hit_flat(i, f, sc, A, M, L, books, t, end, records, count):
-    """Resolve the contact of ball i, its row at t, with flat f. Returns records, status."""
+def hit_flat(i, f, sc, A, M, L, books, t, end, plastic, records, count):
+    """Resolve the contact of ball i, its row at t, with flat f; plastic: whatever its e. Returns records, status."""
     ball = sc.balls[i]
     body = A[ball.body]
     row = M[ball.body]
     flat = sc.flats[f]
     pair = sc.pairs[ball.body, flat.party]
+    e = 0.0 if plastic else pair.e
     x = add(triple(row.p), rotate(quad(row.q), ball.centre))
     d, n, place = box_distance(x, flat)
     if body.motion != HINGED:
@@ -126,14 +127,14 @@ def hit_flat(i, f, sc, A, M, L, books, t, end, records, count):
         kn, kt = _inverse_masses(ball, body, row, n, 1.0)
         if kn == 0.0:
             return records, LOCKED
-        impulse, regime, loss = ball_impact(v, n, pair.e, pair.mu, kn, kt)
+        impulse, regime, loss = ball_impact(v, n, e, pair.mu, kn, kt)
         _push(ball, body, row, n, 1.0, impulse)
         books[IN_IMPACTS] += loss
         records = _record(
-            records, count, t, float(ball.body), float(flat.party), along(x, -d, n), n, impulse, pair.e, pair.mu,
+            records, count, t, float(ball.body), float(flat.party), along(x, -d, n), n, impulse, e, pair.mu,
             float(regime), loss, 1.0,
         )  # fmt: skip
-        rebound = pair.e * -vn
+        rebound = e * -vn
         if body.motion != HINGED:
             put(row.v, along(triple(row.v), rebound - dot(row.v, n), n))  # e |v|, to the last bit
     pull = dot(body.gravity, n)
@@ -142,22 +143,23 @@ def hit_flat(i, f, sc, A, M, L, books, t, end, records, count):
     free = row.support[0] < 0 and row.support[1] < 0 and row.support[2] < 0
     if rebound <= tolerance:
         add_support(row, f)
-    elif pair.e < 1.0 and free and t + series_time(rebound, pull, pair.e) < end:
+    elif e < 1.0 and free and t + series_time(rebound, pull, e) < end:
         leg = L[i]
         leg.flat = f
-        leg.e = pair.e
+        leg.e = e
         leg.mu = pair.mu
         put(leg.normal, n)
     return records, DONE
 
 
 @inner
-def hit_ball(i, j, sc, A, M, books, t, records, count):
-    """Resolve the contact of balls i and j, both rows at t. Returns records, status."""
+def hit_ball(i, j, sc, A, M, books, t, plastic, records, count):
+    """Resolve the contact of balls i and j, both rows at t; plastic: whatever their e. Returns records, status."""
     one, two = sc.balls[i], sc.balls[j]
     body, other = A[one.body], A[two.body]
     row, row2 = M[one.body], M[two.body]
     pair = sc.pairs[one.body, two.body]
+    e = 0.0 if plastic else pair.e
     x = add(triple(row.p), rotate(quad(row.q), one.centre))
     y = add(triple(row2.p), rotate(quad(row2.q), two.centre))
     gap = sub(x, y)
@@ -170,7 +172,7 @@ def hit_ball(i, j, sc, A, M, books, t, records, count):
     kn2, kt2 = _inverse_masses(two, other, row2, n, -1.0)
     if kn + kn2 == 0.0:
         return records, LOCKED
-    impulse, regime, loss = ball_impact(v, n, pair.e, pair.mu, kn + kn2, kt + kt2)
+    impulse, regime, loss = ball_impact(v, n, e, pair.mu, kn + kn2, kt + kt2)
     if body.motion == DRIVEN:  # what a driven body gives to the others
         books[FROM_PRESCRIBED] -= dot(impulse, u)
     if other.motion == DRIVEN:
@@ -179,7 +181,7 @@ def hit_ball(i, j, sc, A, M, books, t, records, count):
     _push(two, other, row2, n, -1.0, scale(-1.0, impulse))
     books[IN_IMPACTS] += loss
     records = _record(
-        records, count, t, float(one.body), float(two.body), along(y, two.radius, n), n, impulse, pair.e, pair.mu,
+        records, count, t, float(one.body), float(two.body), along(y, two.radius, n), n, impulse, e, pair.mu,
         float(regime), loss, 1.0,
     )  # fmt: skip
     return records, DONE

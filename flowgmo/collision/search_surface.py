@@ -27,6 +27,7 @@ CLOSE = 1e-14  # gap that counts as contact, in radii (plus four units in the la
 LAST_PLACE = 1e-15
 MAX_ADVANCES = 500  # then the pair is looked at again from the time reached
 PRESSING = 1e-12  # relative acceleration below this part of both accelerations is round-off
+LEVEL = 1e-12  # one minus the cosine of two normals up to which faces count as level: a step of 1e-12 radii
 GRAZE = 1e-4  # how far a contact without normal speed is followed to see where it goes, in radii
 
 
@@ -112,6 +113,8 @@ def meets_flat(i, flat, sc, A, laws, M, L, T, now, end, hits):
         if d <= CLOSE * ball.radius + LAST_PLACE * norm(x):
             if in_series:
                 return t, False
+            if leg.mode == FLIGHT and dot(leg.force, leg.ground) > 0.0 and dot(n, leg.ground) > 1.0 - LEVEL:
+                return NEVER, True  # the joint of two level faces is no obstacle to a ball that one of them carries
             tolerance = speed_tolerance(ball, body, u)
             if speed < -tolerance:
                 return t, True

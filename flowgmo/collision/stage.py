@@ -35,14 +35,16 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     Raises StepFailed; step.py then restores the state.
     """
     c = world.collisions
+    books = np.zeros_like(room.books)  # what the collisions change: rows get the part until their time
     records, status, t, a, b = run_events(
-        c.scene, world.arrays, world.laws, room.motion, c.legs, world.scratch, room.books, state.t, t1, room.asked,
+        c.scene, world.arrays, world.laws, room.motion, c.legs, world.scratch, books, state.t, t1, room.asked,
         room.rows, room.contact_force, room.rows_books, c.records, c.count, c.events,
         c.others,
     )  # fmt: skip
     c.records = records
     if status != resolve.DONE:
         raise StepFailed(_reason(world.model, status, t, a, b))
+    room.books += books
     if c.count[0]:
         room.impacts.append(_to_impacts(records[: c.count[0]], len(world.model.bodies)))
 

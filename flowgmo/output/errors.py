@@ -13,10 +13,18 @@ from flowgmo.errors import FlowgmoError
 class OutputError(FlowgmoError):
     """A result file cannot be written; the text names the file and the reason."""
 
+    code = 1  # the run failed (DESIGN 8)
+
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(f"cannot write {path}: {reason}")
         self.path = path
         self.reason = reason
+
+
+class NotContinued(OutputError):
+    """A result file is none that this run could go on with, so the command line is wrong."""
+
+    code = 2
 
 
 class RestartError(FlowgmoError):

@@ -17,7 +17,7 @@ import numpy as np
 from flowgmo.mesh import SIDE_NAMES
 from flowgmo.model import Model
 from flowgmo.output import history_layout as layout
-from flowgmo.output.errors import OutputError, make_folder, writing
+from flowgmo.output.errors import NotContinued, make_folder, reason_of, writing
 from flowgmo.output.software import versions
 from flowgmo.output.units import unit
 from flowgmo.records import IMPACT, REGIMES, Rows
@@ -39,10 +39,10 @@ class History:
         self._has_bodies = False
         expected = len(model.output.history.times(model.clock.end)) + 1
         self._chunk = int(np.clip(expected, 16, LONGEST_CHUNK))  # 16: HDF5 pays about 100 bytes for each chunk
-        with writing(self.path):
-            if resume_at is not None and self.path.exists():
-                self._reopen(resume_at)
-            else:
+        if resume_at is not None and self.path.exists():
+            self._reopen(resume_at)
+        else:
+            with writing(self.path):
                 self._create()
 
     def write(self, rows: Rows) -> None:
@@ -156,15 +156,31 @@ class History:
             _append(self._tables[f"collisions/{name}"], np.ascontiguousarray(impacts[name]))
 
     def _reopen(self, resume_at: float) -> None:
-        self._file = h5py.File(self.path, "r+", libver=("v108", "v108"))
+        try:
+            self._file = h5py.File(self.path, "r+", libver=("v108", "v108"))
+            wrong = self._remember_tables()
+        except (OSError, RuntimeError, ValueError, KeyError) as error:
+            wrong = f"it is damaged ({reason_of(error)})"
+        if wrong:
+            if hasattr(self, "_file"):
+                self._file.close()
+            raise NotContinued(self.path, f"{wrong}, so it cannot be continued. Name another folder with -o")
+        with writing(self.path):
+            self._forget_after(resume_at)
+
+    def _remember_tables(self) -> str:
+        """Find the tables of the file; what is wrong with it, empty if nothing is."""
         if self._file.attrs.get("format") != layout.FORMAT:
-            self._file.close()
-            raise OutputError(self.path, "it is not a history of flowgmo, so it cannot be continued")
+            return "it is not a history of flowgmo"
         self._file.visititems(self._remember)
+        if not {"time", "collisions/time"} <= set(self._tables):
+            return "it is damaged (tables are missing)"
         self._has_bodies = any(name.startswith("bodies/") for name in self._tables)
         if self._has_bodies and set(self._file["bodies"]) != {body.name for body in self.model.moving}:
-            self._file.close()
-            raise OutputError(self.path, "it holds other bodies than the deck, so it cannot be continued")
+            return "it holds other bodies than the deck"
+        return ""
+
+    def _forget_after(self, resume_at: float) -> None:
         rows = int(np.searchsorted(self._tables["time"][:], resume_at, side="right"))
         keep = np.flatnonzero(self._tables["collisions/time"][:] <= resume_at)
         for name, table in self._tables.items():

@@ -6,6 +6,8 @@ people read. run.log always gets the plain lines.
 
 from __future__ import annotations
 
+import os
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -26,6 +28,14 @@ BAR_EVERY = 0.2  # s of wall time between two pictures of the bar
 LINE_EVERY = 2.0  # s of wall time between two plain lines
 
 
+class Screen(Console):
+    """The terminal. A run goes on when nobody reads it any more (`flowgmo run deck.nml | head`)."""
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what Python flushes at its end
+
+
 class RunLog:
     """The log of one run. `resume_at`: append to run.log. `clock` gives wall time [s] (tests bring their own)."""
 
@@ -37,7 +47,7 @@ class RunLog:
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.path = make_folder(Path(folder)) / "run.log"
-        self.console = console or Console(highlight=False)
+        self.console = console or Screen(highlight=False)
         self._clock = clock
         self._start = clock()
         self._resumed = resume_at

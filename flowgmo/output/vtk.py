@@ -16,7 +16,7 @@ import numpy as np
 
 from flowgmo.bodies.body import COUPLED, PRESCRIBED, SOLID, Body
 from flowgmo.model import Model
-from flowgmo.output.errors import OutputError, make_folder, replacing, writing
+from flowgmo.output.errors import NotContinued, make_folder, replacing, writing
 from flowgmo.state import State
 
 KINDS = (SOLID, PRESCRIBED, COUPLED)
@@ -78,7 +78,7 @@ class Snapshots:
         try:
             return [float(entry.attrib["timestep"]) for entry in ET.parse(path).iter("DataSet")]
         except (ET.ParseError, KeyError, ValueError) as error:
-            raise OutputError(path, f"it is damaged, so it cannot be continued ({error})") from error
+            raise NotContinued(path, f"it is damaged, so it cannot be continued ({error})") from error
 
 
 class Surfaces:

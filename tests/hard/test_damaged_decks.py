@@ -1,4 +1,4 @@
-"""Damaged decks: whatever happens to the text of a deck, reading it ends in a Deck or a DeckError, in less than 1 s.
+"""Damaged decks: whatever happens to the text of a deck, it ends in a Model or a DeckError, in less than 1 s.
 
 The damage is what editors, file transfers, and tired people do: flipped bytes, lost, doubled, and swapped lines and
 characters, a cut end, garbage in between. A crash here would be a traceback before a user's eyes.
@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from flowgmo.building import build_model
 from flowgmo.deck import DeckError, read_deck
+from flowgmo.model import Model
 
 COLLISIONS = """Two bricks above a floor, dry
  &xput
@@ -94,7 +96,28 @@ WET = """ Light box above a free surface
  #end start tables
 """
 
+BALLS = """Balls, a ram and an anvil: all that can collide
+ &xput
+  twfin=2.0, delt=1e-3, gz=-9.81, imobs=1, iclid=1, strngmob=0.5, frcmob=0.3, tpltd(1)=0.5, thpltd(1)=0.01,
+ /
+ &bcdata
+  ibct(1)=1, ibct(2)=1, ibct(3)=2, ibct(4)=2, ibct(5)=2, ibct(6)=3,
+ /
+ &mesh
+  px=0.,.4,1., nxcell(1)=4, nxcell(2)=6, sizex(2)=.05, py=0.,1., nycelt=10, pz=0.,2., sizez(1)=.1, sizez(2)=.2,
+ /
+ &obs
+  nobs=4, obsid(1)='one', imo(1)=4, rhomvb(1)=1000., iob(1)=1, rsh(1)=.1, trnx(1)=.3, trny(1)=.5, trnz(1)=.5,
+  obsid(2)='two', imo(2)=4, iprpmvb(2)=1, massmvb(2)=2., xmcmvb0(2)=.3, ymcmvb0(2)=.5, zmcmvb0(2)=.8,
+  tjmvb(2,1,1)=.01, tjmvb(2,2,2)=.01, tjmvb(2,3,3)=.01, iob(2)=2, rsh(2)=.1, trnx(2)=.3, trny(2)=.5, trnz(2)=.8,
+  imo(3)=3, iob(3)=3, rsh(3)=.1, trnx(3)=.8, trny(3)=.5, trnz(3)=.5, iupre(3)=1, uamp(3)=.1, ufre(3)=2.,
+  imo(4)=0, iob(4)=4, xl(4)=0., xh(4)=1., yl(4)=0., yh(4)=1., zl(4)=-.2, zh(4)=.1, roty(4)=0.,
+  cfrc(1)=.2, crstrng(2)=.9, iclidob(1,3)=0,
+ /
+"""
+
 SEEDS = (COLLISIONS, DRIVEN, MINIMAL, WET)
+BUILDABLE = (BALLS, COLLISIONS.replace("iclid=1", "iclid=0"), DRIVEN, MINIMAL)
 GARBAGE = (
     "&",
     "/",
@@ -148,12 +171,23 @@ def damage(text: str, dice: random.Random) -> bytes:
     return bytes(raw)
 
 
-def check_damaged(count: int, folder: Path, read: Callable[[Path], object] = read_deck, first: int = 0) -> int:
+def read_and_build(path: Path) -> Model:
+    """All that stands before a run."""
+    return build_model(read_deck(path), path.with_suffix(".out"))
+
+
+def check_damaged(
+    count: int,
+    folder: Path,
+    read: Callable[[Path], object] = read_deck,
+    first: int = 0,
+    seeds: tuple[str, ...] = SEEDS,
+) -> int:
     """Read `count` damaged decks; returns how many were still sound. `read` may be any later stage too."""
     path, sound = folder / "damaged.nml", 0
     for number in range(first, first + count):
         dice = random.Random(number)
-        path.write_bytes(damage(dice.choice(SEEDS), dice))
+        path.write_bytes(damage(dice.choice(seeds), dice))
         start = time.perf_counter()
         try:
             read(path)
@@ -189,3 +223,20 @@ def test_500_damaged_decks(tmp_path: Path) -> None:
 def test_10000_damaged_decks(tmp_path: Path) -> None:
     """The same with other dice, twenty times as many."""
     check_damaged(10_000, tmp_path, first=1000)
+
+
+@pytest.mark.parametrize("seed", BUILDABLE)
+def test_undamaged_is_built(seed: str, tmp_path: Path) -> None:
+    path = tmp_path / "deck.nml"
+    path.write_text(seed)
+    assert isinstance(read_and_build(path), Model)
+
+
+def test_500_damaged_decks_are_built_or_refused(tmp_path: Path) -> None:
+    """The full path to a Model: geometry, masses, contacts, mesh, output times (about 180 survived when written)."""
+    assert check_damaged(500, tmp_path, read_and_build, first=20_000, seeds=BUILDABLE) > 20
+
+
+@pytest.mark.slow
+def test_10000_damaged_decks_are_built_or_refused(tmp_path: Path) -> None:
+    check_damaged(10_000, tmp_path, read_and_build, first=30_000, seeds=BUILDABLE)

@@ -155,9 +155,9 @@ def test_a_driven_ball_hits_a_free_one(dt):
 
 def test_a_driven_ball_on_a_sinusoid_meets_a_flying_one():
     """Contact where A (1 - cos ωt)/ω + 2 R = gap - u t, by bisection. Measured: 1e-14."""
-    body = driven((0, 0, 0), more="iupre(#)=1, uamp(#)=1.5, ufre(#)=0.8,")
+    body = driven((0, 0, 0), more="iupre(#)=1, uamp(#)=2.5, ufre(#)=0.8,")
     s = Scene(deck(body, ball((1.0, 0, 0), v=(-0.3, 0, 0)), e=1.0)).to(1.0)
     rate = 1.6 * np.pi
-    when = brentq(lambda t: 1.5 / rate * (1 - np.cos(rate * t)) - (0.8 - 0.3 * t), 0.0, 0.6, xtol=1e-15)
+    when = brentq(lambda t: 2.5 / rate * (1 - np.cos(rate * t)) - (0.8 - 0.3 * t), 0.0, 0.6, xtol=1e-15)
     assert s.impacts["time"][0] == pytest.approx(when, abs=1e-12)
-    assert s.v[1, 0] == pytest.approx(2 * 1.5 * np.sin(rate * when) + 0.3, abs=1e-10)
+    assert s.v[1, 0] == pytest.approx(2 * 2.5 * np.sin(rate * when) + 0.3, abs=1e-10)

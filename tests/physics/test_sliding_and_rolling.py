@@ -41,7 +41,7 @@ def test_slip_ends_and_rolling_goes_on(dt):
     np.testing.assert_allclose(s.w[0], [0, 5 / 7 * v / R, 0], atol=1e-10)
     assert s.state.books[1] == pytest.approx(s.masses[0] * v**2 / 7, rel=1e-10)
     assert abs(s.remainder()) < 1e-10 * s.masses[0]
-    np.testing.assert_allclose(s.row("contact_force")[:, 0, 0], [-mu * s.masses[0] * G, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(s.row("contact_force")[::2, 0, 0], [-mu * s.masses[0] * G, 0], atol=1e-9)
 
 
 def test_a_spinning_ball_starts_to_roll():
@@ -87,13 +87,14 @@ def test_from_rest_on_a_slope(degrees, mu, dt):
 def test_the_threshold_of_rolling(side):
     s, frame = on_slope(30, side * 2 / 7 * np.tan(np.radians(30)))
     s.to(1.0)
-    assert (s.state.books[1] > 0) == (side < 1)
+    assert (s.state.books[1] > 1e-12 * s.masses[0]) == (side < 1)
 
 
-@pytest.mark.parametrize("dt", [0.02, 1.0])
+@pytest.mark.parametrize("dt", [0.002, 0.02, 1.0])
 def test_sliding_across_a_slope(dt):
-    """Slip turns: dv/dt = g_t - μ N ŝ/m, dω/dt = ... by solve_ivp. Measured: 2e-5 (the leg's cut of the turning slip,
-    second order in .01 rad); it then rolls on with the right velocity."""
+    """Slip turns: m dv/dt = m g_t - μ N ŝ, J dω/dt = -R n × f, by solve_ivp. Measured at dt = 1: 1.2e-4 of 3.5 (the
+    leg's cut of the turning slip, second order in .01 rad). Shorter steps must not be worse: the direction of the
+    force must belong to the way that is made, not to a longer one that was planned."""
     v0, w0, mu = np.array([0.0, 2.0, 0.0]), np.array([-5.0, 0.0, 3.0]), 0.15
     s, frame = on_slope(30, mu, v0, w0)
     s.to(0.8, dt)
@@ -127,9 +128,9 @@ def test_over_the_seam_of_two_boxes(mu, e):
     """A level joint is no obstacle: nothing is hit there, and the velocity stays. Fails if the second box's hidden edge
     is met."""
     floor = [solid((-1, -1, -1), (0, 1, 0)), solid((0, -1, -1), (1, 1, 0))]
-    rolling = (-3.0 / R, 10.0 / R, 0)
-    s = Scene(deck(ball((-0.3, 0, R), v=(1, 0.3, 0), w=np.multiply(rolling, 0.1 * 10 / 10 if mu == 0 else 0.1), mu=mu),
-                   *floor, g=(0, 0, -G), e=e, mu=mu))  # fmt: skip
+    rolling = (-0.3 / R, 1.0 / R, 0)
+    s = Scene(deck(ball((-0.3, 0, R), v=(1, 0.3, 0), w=rolling), *floor, g=(0, 0, -G), e=e, mu=mu)).to(0.31, 0.31)
+    assert len(s.impacts) == 0
     s.to(0.6, 0.06)
     np.testing.assert_allclose(s.v[0], [1, 0.3, 0], atol=1e-9)
     np.testing.assert_allclose(s.p[0], [0.3, 0.18, R], atol=1e-8)

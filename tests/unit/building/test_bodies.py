@@ -132,7 +132,7 @@ def test_total_load(body):
 
 def test_loads_at_points(body):
     """Points without coordinates are the mass centre; each has its own axes."""
-    made = body(f"{FREE} igf(1)=2, fytobsm(1,1,2)=5., fztobsm(1,1,7)=6., xfpnt(1,7)=9., irefgfm(1,7)=2")
+    made = body(f"{FREE} igf(1)=2, fytobsm(1,1,2)=5., fztobsm(1,1,4)=6., xfpnt(1,4)=9., irefgfm(1,4)=2")
     first, second = made.loads.points
     assert first.point.tolist() == [0.5, 0.0, 0.0] and second.point.tolist() == [9.0, 0.0, 0.0]
     assert (first.in_body_axes, second.in_body_axes) == (False, True)

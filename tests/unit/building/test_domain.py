@@ -95,13 +95,14 @@ def test_sides(mesh):
 @pytest.mark.parametrize(
     ("lines", "says"),
     [
-        ("px=0., 1., nxcelt=2000000000,", ["deck.nml:8: &mesh nxcelt=2000000000", "cells"]),
+        ("px=0., 1., nxcelt=2000000000,", ["deck.nml:9: &mesh nxcelt=2000000000", "cells"]),
         ("px=0., 1., sizex(1)=1e-12,", ["deck.nml", "&mesh", "cells"]),
         ("px=0., 1., if_size=1, size=1e-300,", ["deck.nml", "&mesh", "cells"]),
+        ("px=-1e308, 1e308, nxcelt=2,", ["deck.nml", "&mesh", "over inf in x"]),
         ("px=0., 1., 2., 3., nxcell(1)=1, nxcell(2)=1,", ["nxcell(3)", "missing"]),
         ("px=0., 1., nxcell(2)=4,", ["nxcell(2)=4", "1 intervals"]),
         ("px=1., 1.,", ["px(2)=1.0", "does not lie beyond"]),
-        ("px(1)=0., px(3)=1.,", ["px(2)", "missing"]),
+        ("px(1)=0., px(4)=5.,", ["px(3)", "missing"]),
     ],
 )
 def test_impossible_meshes(problems, lines, says):

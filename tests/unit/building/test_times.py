@@ -4,6 +4,11 @@ import numpy as np
 import pytest
 
 
+def lines(xput):
+    """One assignment a line."""
+    return xput.replace(", ", ",\n ")
+
+
 @pytest.fixture
 def model(build):
     return lambda xput: build(f"t\n&xput\n {lines(xput)}\n/\n&mesh /\n")
