@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from rich.console import RenderableType
 
 from flowgmo.model import Model
@@ -20,13 +22,13 @@ def summary(model: Model) -> list[RenderableType]:
         parts.append(tables.bodies(model))
     parts.append(tables.effects(model))
     parts.extend(tables.notice(notice) for notice in model.notices)
-    steps = min(model.clock.end / model.clock.dt, model.clock.last_step)
+    steps = min(math.ceil(model.clock.end / model.clock.dt), model.clock.last_step)
     rows = len(model.output.history.times(model.clock.end))
     moving = len(model.moving)
     memory = len(model.bodies) * STATE_BYTES + moving * ROW_BYTES * min(rows, 1000)
     seconds = steps * (STEP_OVERHEAD + moving * STEP_SECONDS)
     parts.append(
-        f"{model.mesh.cells} cells (no field arrays: the scene is dry), {steps:.6g} steps, {rows} history rows; "
+        f"{model.mesh.cells} cells (no field arrays: the scene is dry), {steps} steps, {rows} history rows; "
         f"about {_bytes(memory)} beside the program, and {seconds:.2g} s of wall time without impacts"
     )
     return parts

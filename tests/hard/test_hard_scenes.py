@@ -81,7 +81,9 @@ def test_a_pile_of_balls_ends_with_a_reason():
 
 
 def test_balls_in_a_bin_end_with_a_reason():
-    balls = [ball((0.21 * i - 0.3, 0.21 * j - 0.3, 0.21 * k + 0.15)) for i in range(3) for j in range(3) for k in (0, 1)]
+    balls = [
+        ball((0.21 * i - 0.3, 0.21 * j - 0.3, 0.21 * k + 0.15)) for i in range(3) for j in range(3) for k in (0, 1)
+    ]
     text = deck(*balls, lo=(-0.5, -0.5, 0), hi=(0.5, 0.5, 2), sides=WALLS, g=(0.1, 0.2, -G), e=0.3)
     assert "rest" in reason_of(text, 10.0, 0.05)
 

@@ -13,7 +13,6 @@ import numpy as np
 from flowgmo.building import build_model
 from flowgmo.deck import parse_deck
 from flowgmo.rows import rows_of_state
-from flowgmo.step import prepare, step
 from flowgmo.state import initial_state
 from flowgmo.step import prepare, step
 
@@ -33,9 +32,7 @@ def three(names, x):
 
 def start(v=(0, 0, 0), w=(0, 0, 0)):
     """First table elements: initial velocities of a coupled body, constant ones of a prescribed body."""
-    return three((f"{n}tobs(1,#)" for n in ("u", "v", "w")), v) + three(
-        (f"om{n}tobs(1,#)" for n in ("x", "y", "z")), w
-    )
+    return three((f"{n}tobs(1,#)" for n in ("u", "v", "w")), v) + three((f"om{n}tobs(1,#)" for n in ("x", "y", "z")), w)
 
 
 def at(x):

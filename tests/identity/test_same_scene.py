@@ -43,7 +43,9 @@ def loaded(length=1.0, time=1.0, mass=1.0):
     more = "igf(#)=1," + table("fxtobs", np.array([1.0, 2.0]) * force) + f" tytobs(1,#)={0.7 * force * length!r},"
     body = rigid(inertia, 1.5 * mass, w=np.array([1, 0.2, 3]) / time, r=0.1 * length,
                  more=more + f" dxmcmax(#)={0.25 * length!r},")  # fmt: skip
-    wave = f"imo(#)=3, iob(#)=#, rsh(#)={0.1 * length!r}, iupre(#)=1, uamp(#)={length / time!r}, ufre(#)={0.9 / time!r},"
+    wave = (
+        f"imo(#)=3, iob(#)=#, rsh(#)={0.1 * length!r}, iupre(#)=1, uamp(#)={length / time!r}, ufre(#)={0.9 / time!r},"
+    )
     return Scene(deck(body, wave, collide=False, times=[0, 0.6 * time], lo=(-9 * length,) * 3, hi=(9 * length,) * 3))
 
 

@@ -80,6 +80,7 @@ def test_contact_force_at_rest_is_the_weight():
 @pytest.mark.parametrize("mu, v, w", [(0.2, 1.0, (0, 0, 0)), (0.05, 3.0, (0, 20.0, 5.0)), (1.0, 0.5, (0, -30.0, 0))])
 def test_an_oblique_series_closed_at_once_is_the_series_bounce_by_bounce(mu, v, w):
     """The same throw with DELT longer than the whole series and with short steps. Measured: 1e-13."""
+
     def run(dt):
         bodies = ball((0, 0, H + R), v=(v, 0.3 * v, 0), w=w)
         text = deck(bodies, lo=(-50, -50, 0), hi=(50, 50, 3), sides=FLOOR, g=(0, 0, -G), e=0.7, mu=mu)

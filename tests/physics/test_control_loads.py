@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 INERTIA = np.array([[2.0, 0.3, -0.1], [0.3, 1.5, 0.2], [-0.1, 0.2, 1.1]])
 MASS, G, END = 1.7, np.array([0.2, 0.0, -1.0]), 2.0
+ALL = np.ones(6, bool)
 TIMES = [0.0, 0.6, 1.1, 2.0]
 FORCE = np.array([[1.0, 2.0, -1.0, 0.5], [0.0, 1.0, 1.0, 2.0], [-1.0, 0.0, 3.0, 1.0]])
 TORQUE = np.array([[0.5, -1.0, 1.0, 0.0], [0.0, 0.7, 0.7, -0.5], [1.0, 1.0, -1.0, 0.3]])
@@ -18,7 +19,7 @@ def now(rows, t):
     return np.array([np.interp(t, TIMES, y) for y in rows])
 
 
-def integrate(loads, free=np.ones(6, bool), laws=None, kinks=TIMES, start=W0):
+def integrate(loads, free=ALL, laws=None, kinks=TIMES, start=W0):
     """p, R, v, w_B at END. loads(t, R) -> force in space axes, torque in body axes; laws(t) -> velocities (6,) of the
     prescribed components and their rates (6,). The free block of the tensor is inverted, not its inverse cut."""
     pick = free[3:]

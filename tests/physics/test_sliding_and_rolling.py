@@ -114,7 +114,7 @@ def test_sliding_across_a_slope(dt):
 
 
 def test_off_the_edge_of_a_table():
-    """Smooth table, v² > g R: it leaves at once and flies a parabola from the edge. Measured: 1e-9 (the rim's width)."""
+    """Smooth table, v² > g R: it leaves at once and flies a parabola from the edge. Measured: 1e-9 (the rim)."""
     v = 1.5
     s = Scene(deck(ball((-0.75, 0, R), v=(v, 0, 0)), solid((-2, -1, -1), (0, 1, 0)), g=(0, 0, -G), e=0.5)).to(0.8)
     np.testing.assert_allclose(s.p[0], [v * 0.3, 0, R - G * 0.09 / 2], atol=1e-8)
