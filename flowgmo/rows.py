@@ -14,7 +14,7 @@ from flowgmo.world import World, poses_of
 def rows_of_state(world: World, state: State) -> Rows:
     """One row: the state as it stands (used at t = 0)."""
     force = np.zeros((1, len(state.p_WB), 3)) if world.collisions else None
-    return make_rows(world, np.array([state.t]), poses_of(state)[None], force, state.books[None])
+    return make_rows(world, np.array([state.t]), poses_of(state)[None], force, state.books[None].copy())
 
 
 def make_rows(

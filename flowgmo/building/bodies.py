@@ -191,11 +191,17 @@ def _loads(deck: Deck, m: int, origin: np.ndarray) -> ControlLoads | None:
         return tuple(Table(np.array(s.t, dtype=float), np.array(s.y, dtype=float)) for s in tables)
 
     if mode == 1:
-        return ControlLoads(three("F*TOBS", m), three("T*TOBS", m), in_body_axes=int(deck.at("IREFGF", m)) == 2)
+        force, torque = three("F*TOBS", m), three("T*TOBS", m)
+        absent = all(table.is_zero for table in (*force, *torque))
+        return None if absent else ControlLoads(force, torque, in_body_axes=int(deck.at("IREFGF", m)) == 2)
     numbers = sorted({mf for a in "XYZ" for (k, mf) in deck.tabled(f"F{a}TOBSM") if k == m})
     points = []
     for mf in numbers:
         given = [deck.at(f"{a}FPNT", m, mf) for a in "XYZ"]
         place = np.array([o if g is None else g for o, g in zip(origin, given, strict=True)], dtype=float)
-        points.append(PointLoad(three("F*TOBSM", m, mf), place, int(deck.at("IREFGFM", m, mf)) == 2))
+        force = three("F*TOBSM", m, mf)
+        if not all(table.is_zero for table in force):
+            points.append(PointLoad(force, place, int(deck.at("IREFGFM", m, mf)) == 2))
+    if not points:
+        return None
     return ControlLoads((none,) * 3, (none,) * 3, in_body_axes=False, points=tuple(points))

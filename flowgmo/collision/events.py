@@ -4,8 +4,8 @@
     until the step is over: take the earliest event, resolve it (resolve.py), start new legs for the balls it
     concerned (legs.py), and predict again for them and for those that had them as partner
 
-Events of equal time are taken in the order of the balls' numbers; touching clusters are resolved pair after pair
-until nobody approaches. A ball that would rest on something else than a flat's face ends the run with a reason.
+Events of equal time: the ball that had the fewest of them first, then the lower number; so touching clusters are
+resolved pair after pair in sweeps, until nobody approaches. A ball that would rest on something else than a flat's face ends the run with a reason.
 """
 
 from __future__ import annotations
@@ -154,15 +154,19 @@ def run_events(
         first = np.int64(-1)  # typed, or functions compile twice
         at = NEVER
         for i in range(m):
-            if events[i].at < at:
-                first, at = i, events[i].at
+            soonest = events[i].at
+            if soonest < at or soonest == at and soonest < NEVER and events[i].stalls < events[first].stalls:
+                first, at = i, soonest
         while row < asked.size and asked[row] < min(at, t1):
             _fill_row(row, sc, A, laws, M, L, books, asked[row], rows, rows_force, rows_books, hits)
             row += 1
         if first < 0 or at >= t1:
             break
-        events[first].stalls = events[first].stalls + 1 if at <= now else 0
-        now = max(at, now)
+        if at > now:
+            now = at
+            for i in range(m):
+                events[i].stalls = 0
+        events[first].stalls += 1
         what, whom = events[first].what, events[first].whom
         with_ball = what == WITH_BALL or what == NEAR_BALL
         partner = -1

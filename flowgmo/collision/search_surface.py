@@ -186,7 +186,7 @@ def meets_ball(i, j, sc, A, laws, M, L, T, now, end, hits):
     if flying:
         bound = norm(pull)
         if bound <= PRESSING * (norm(leg.acc) + norm(other.acc)):
-            return _meets_straight(sub(x, y), sub(u, w), norm(x), reach, now, end), True
+            return _meets_straight(sub(x, y), sub(u, w), norm(u) + norm(w), norm(x), reach, now, end), True
     else:
         bound = _acceleration_bound(i, sc, M, L, end - now) + _acceleration_bound(j, sc, M, L, end - now)
     t = now
@@ -197,7 +197,7 @@ def meets_ball(i, j, sc, A, laws, M, L, T, now, end, hits):
         d = distance - reach
         speed = dot(gap, relative) / distance
         if d <= CLOSE * reach + LAST_PLACE * norm(x):
-            tolerance = SEPARATING * (norm(relative) + np.sqrt(bound * reach))
+            tolerance = SEPARATING * (norm(u) + norm(w) + np.sqrt(bound * reach))
             if speed < -tolerance:
                 return t, True
             if speed <= tolerance:
@@ -216,7 +216,7 @@ def meets_ball(i, j, sc, A, laws, M, L, T, now, end, hits):
 
 
 @inner
-def _meets_straight(gap, relative, size, reach, now, end):
+def _meets_straight(gap, relative, speeds, size, reach, now, end):
     """Two balls of equal acceleration: relative motion is straight, the contact a root of a quadratic."""
     half_b = dot(gap, relative)
     a = dot(relative, relative)
@@ -226,7 +226,7 @@ def _meets_straight(gap, relative, size, reach, now, end):
     d = distance - reach
     if d <= CLOSE * reach + LAST_PLACE * size:
         # touching: a real approach is an impact, round-off of a separation is not
-        return now if half_b < -SEPARATING * distance * np.sqrt(a) else NEVER
+        return now if half_b < -SEPARATING * distance * speeds else NEVER
     c = d * (distance + reach)
     under = half_b * half_b - a * c
     if under <= 0.0:

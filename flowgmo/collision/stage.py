@@ -77,6 +77,12 @@ def _reason(model: Model, status: int, t: float, a: int, b: int) -> str:
             "yet. Set the friction to zero, or end the run earlier"
         )
     if status == resolve.RESTS_ON_ROUND:
+        if model.bodies[a].loads is not None or (0 <= b < n and model.bodies[b].loads is not None):
+            loaded = first if model.bodies[a].loads is not None else second
+            return (
+                f"{first} comes to rest on {second} {when} while a control load acts on {loaded}: resting under a load "
+                "that the deck gives (igf) is not computed yet"
+            )
         return (
             f"{first} comes to rest on {second} {when}: resting contact is computed for a ball on a face of a flat "
             "solid or a domain wall, not yet on other bodies, edges or moving bodies"

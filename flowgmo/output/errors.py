@@ -67,6 +67,26 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def make_sure_of_room(path: Path, size: int) -> None:
+    """Raise OutputError unless `path` can grow by `size` bytes.
+
+    HDF5 does not survive a write that fails: it prints tracebacks and brings the program down when the file is closed.
+    So what it is going to write is asked for beforehand.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    with writing(path):
+        file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            before = os.fstat(file).st_size
+            try:
+                os.posix_fallocate(file, before, size)
+            finally:
+                os.ftruncate(file, before)
+        finally:
+            os.close(file)
+
+
 def make_folder(path: Path) -> Path:
     """Make a folder and those above it."""
     with writing(path):

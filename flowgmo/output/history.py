@@ -17,12 +17,13 @@ import numpy as np
 from flowgmo.mesh import SIDE_NAMES
 from flowgmo.model import Model
 from flowgmo.output import history_layout as layout
-from flowgmo.output.errors import NotContinued, make_folder, reason_of, writing
+from flowgmo.output.errors import NotContinued, make_folder, make_sure_of_room, reason_of, writing
 from flowgmo.output.software import versions
 from flowgmo.output.units import unit
 from flowgmo.records import IMPACT, REGIMES, Rows
 
 LONGEST_CHUNK = 512  # rows; a vector of 512 rows is 12 kB, enough to read fast and little to waste on a short run
+TABLE_OVERHEAD = 8 << 10  # bytes of a table besides its rows, at most: header, attributes, index of its chunks
 FULL_BUFFER = 32 << 20  # bytes of rows kept in memory before they are written
 
 
@@ -42,6 +43,8 @@ class History:
         if resume_at is not None and self.path.exists():
             self._reopen(resume_at)
         else:
+            self.path.unlink(missing_ok=True)
+            make_sure_of_room(self.path, 2 * len(model.resolved_deck) + 50 * TABLE_OVERHEAD)
             with writing(self.path):
                 self._create()
 
@@ -61,6 +64,9 @@ class History:
 
     def flush(self) -> None:
         """Write what waits. What was given so far survives whatever happens to the run from now on."""
+        if not (self._waiting or self._impacts):
+            return
+        make_sure_of_room(self.path, self._needed())
         with writing(self.path):
             if self._waiting:
                 self._append_rows(self._waiting)
@@ -69,6 +75,15 @@ class History:
                 self._append_impacts(np.concatenate(self._impacts))
                 self._impacts = []
             self._file.flush()
+
+    def _needed(self) -> int:
+        """Bytes that a flush adds to the file, at most: all rows in whole chunks."""
+        rows = sum(len(r.t) for r in self._waiting)
+        hits = sum(len(impacts) for impacts in self._impacts)
+        width = sum(np.prod(column.columns, dtype=int) for column in layout.BODY) * len(self.model.moving)
+        tables = len(self._tables) + (0 if self._has_bodies else len(layout.BODY) * len(self.model.moving))
+        chunks = (rows + 2 * self._chunk) * (1 + width + len(layout.ENERGY)) * 8
+        return int(chunks + (hits + 2 * self._chunk) * IMPACT.itemsize + tables * TABLE_OVERHEAD)
 
     def close(self) -> None:
         """Write what waits and close the file; calling it again does nothing."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from flowgmo.model import Model
 from flowgmo.output.deck_text import assignments
-from flowgmo.output.errors import RestartError, make_folder, reason_of, replacing
+from flowgmo.output.errors import RestartError, make_folder, reason_of, replacing, writing
 from flowgmo.output.software import versions
 from flowgmo.state import State, initial_state
 
@@ -27,10 +27,13 @@ MOST_DIFFERENCES = 5  # shown in an error text
 
 
 def write_restart(path: Path, model: Model, state: State) -> None:
-    """Write the state beside the old file, then put it in its place."""
+    """Write the state beside the old file, then put it in its place.
+
+    The file is made in memory: HDF5 does not survive a disk that fills up while it writes.
+    """
     path = Path(path)
     make_folder(path.parent)
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+    with writing(path), h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION, "title": model.title})
         file.attrs.update({f"version_{name}": value for name, value in versions().items()})
         file.create_dataset("deck", data=model.resolved_deck or "\n", dtype=h5py.string_dtype())
@@ -40,6 +43,10 @@ def write_restart(path: Path, model: Model, state: State) -> None:
             value = getattr(state, field.name)
             if value is not None:
                 group.create_dataset(field.name, data=value)
+        file.flush()
+        image = file.id.get_file_image()
+    with replacing(path) as temporary:
+        temporary.write_bytes(image)
 
 
 def read_restart(path: Path, model: Model) -> State:

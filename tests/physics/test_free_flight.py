@@ -30,7 +30,7 @@ def test_fall_from_rest_is_exact_at_any_step(dt, collide):
 
 
 def test_a_ball_with_different_moments_does_not_collide_yet():
-    """In flight it would tumble (tested in test_free_top.py); the legs of colliding balls turn evenly, so it is refused.
+    """In flight it would tumble (tested in test_free_top.py); legs of colliding balls turn evenly: it is refused.
 
     Fails if it is let in: then it flies with constant angular velocity and loses energy of rotation.
     """
