@@ -47,19 +47,18 @@ def build_contacts(found: Findings, bodies: tuple[Body, ...], mesh: Mesh) -> Con
 def _allowed(found: Findings, bodies: tuple[Body, ...], mesh: Mesh) -> np.ndarray:
     """(n + 6, n + 6): at least one partner coupled, both orders of ICLIDOB, neither (m, m) zero."""
     deck, n = found.deck, len(bodies)
-    allowed = np.zeros((n + 6, n + 6), dtype=bool)
+    wanted = np.ones((n, n), dtype=bool)  # ICLIDOB is 1 by default here: ICLID is
+    for i, j in deck.indices("ICLIDOB"):
+        wanted[i - 1, j - 1] = bool(deck.at("ICLIDOB", i, j))
+    takes_part = wanted.diagonal().copy()
     coupled = np.array([body.coupled for body in bodies], dtype=bool)
-    allowed[:n, :n] = coupled[:, None] | coupled
+    allowed = np.zeros((n + 6, n + 6), dtype=bool)
+    pairs = wanted & wanted.T & np.outer(takes_part, takes_part) & (coupled[:, None] | coupled)
+    np.fill_diagonal(pairs, False)
+    allowed[:n, :n] = pairs
     for side in mesh.sides:
         if side.stops_bodies:
-            allowed[:n, n + side.number] = allowed[n + side.number, :n] = coupled
-    for a, b in deck.indices("ICLIDOB"):  # not given is ICLID, 1 here
-        if deck.at("ICLIDOB", a, b) == 0:
-            if a == b:
-                allowed[a - 1] = allowed[:, a - 1] = False
-            else:
-                allowed[a - 1, b - 1] = allowed[b - 1, a - 1] = False
-    np.fill_diagonal(allowed, False)
+            allowed[:n, n + side.number] = allowed[n + side.number, :n] = coupled & takes_part
     return allowed
 
 
@@ -185,13 +184,12 @@ def _not_yet(found: Findings, i: int, what: str) -> None:
 
 def _check_overlaps(found: Findings, bodies: tuple[Body, ...], allowed: np.ndarray) -> None:
     n = len(bodies)
-    boxes = np.array([body.shape.bounds() for body in bodies])
+    bounds = np.array([body.shape.bounds() for body in bodies]).reshape(n, 2, 3)
     for i in range(n):
-        near = (boxes[:, 0] <= boxes[i, 1]).all(axis=1) & (boxes[i, 0] <= boxes[:, 1]).all(axis=1)
-        for j in np.flatnonzero(near & allowed[i, :n] & (np.arange(n) > i)):
-            size = min(_size(bodies[i]), _size(bodies[j]))
+        near = np.all((bounds[:, 0] <= bounds[i, 1]) & (bounds[i, 0] <= bounds[:, 1]), axis=1)
+        for j in np.flatnonzero(near[i + 1 :] & allowed[i, i + 1 : n]) + i + 1:
             depth = _depth(bodies[i], bodies[j])
-            if depth > OVERLAP * size:
+            if depth > OVERLAP * min(_size(bodies[i]), _size(bodies[j])):
                 found.problem(
                     "OBSID" if found.deck.given("OBSID", j + 1) else "IMO", j + 1,
                     wrong=f"{bodies[i].name} and {bodies[j].name} overlap at the start by {depth:.6g}",
@@ -200,10 +198,6 @@ def _check_overlaps(found: Findings, bodies: tuple[Body, ...], allowed: np.ndarr
 
 
 def _depth(a: Body, b: Body) -> float:
-    lo, hi = a.shape.bounds()
-    lo2, hi2 = b.shape.bounds()
-    if np.any(lo > hi2) or np.any(lo2 > hi):
-        return 0.0
     return overlap_depth(a.shape, b.shape, min(_size(a), _size(b)))
 
 

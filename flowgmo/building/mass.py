@@ -66,4 +66,4 @@ def _tensor(deck: Deck, m: int) -> np.ndarray:
             one, other = (i + 1, j + 1), (j + 1, i + 1)
             use = one if deck.given("TJMVB", m, *one) or not deck.given("TJMVB", m, *other) else other
             tensor[i, j] = float(deck.at("TJMVB", m, *use) or 0.0)
-    return tensor
+    return 0.5 * (tensor + tensor.T)

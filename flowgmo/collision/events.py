@@ -5,7 +5,8 @@
     concerned (legs.py), and predict again for them and for those that had them as partner
 
 Events of equal time: the ball that had the fewest of them first, then the lower number; so touching clusters are
-resolved pair after pair in sweeps, until nobody approaches. A ball that would rest on something else than a flat's face ends the run with a reason.
+resolved pair after pair in sweeps, until nobody approaches. A ball that would rest on something else than a flat's
+face ends the run with a reason.
 """
 
 from __future__ import annotations

@@ -108,13 +108,13 @@ def _push(ball, body, row, n, side, impulse):
 
 @inner
 def hit_flat(i, f, sc, A, M, L, books, t, end, plastic, records, count):
-    """Resolve the contact of ball i, its row at t, with flat f; plastic: whatever its e. Returns records, status."""
+    """Resolve the contact of ball i, its row at t, with flat f; plastic: whatever e < 1. Returns records, status."""
     ball = sc.balls[i]
     body = A[ball.body]
     row = M[ball.body]
     flat = sc.flats[f]
     pair = sc.pairs[ball.body, flat.party]
-    e = 0.0 if plastic else pair.e
+    e = 0.0 if plastic and pair.e < 1.0 else pair.e
     x = add(triple(row.p), rotate(quad(row.q), ball.centre))
     d, n, place = box_distance(x, flat)
     if body.motion != HINGED:
@@ -154,12 +154,12 @@ def hit_flat(i, f, sc, A, M, L, books, t, end, plastic, records, count):
 
 @inner
 def hit_ball(i, j, sc, A, M, books, t, plastic, records, count):
-    """Resolve the contact of balls i and j, both rows at t; plastic: whatever their e. Returns records, status."""
+    """Resolve the contact of balls i and j, both rows at t; plastic: whatever e < 1. Returns records, status."""
     one, two = sc.balls[i], sc.balls[j]
     body, other = A[one.body], A[two.body]
     row, row2 = M[one.body], M[two.body]
     pair = sc.pairs[one.body, two.body]
-    e = 0.0 if plastic else pair.e
+    e = 0.0 if plastic and pair.e < 1.0 else pair.e
     x = add(triple(row.p), rotate(quad(row.q), one.centre))
     y = add(triple(row2.p), rotate(quad(row2.q), two.centre))
     gap = sub(x, y)

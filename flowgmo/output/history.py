@@ -82,8 +82,8 @@ class History:
         hits = sum(len(impacts) for impacts in self._impacts)
         width = sum(np.prod(column.columns, dtype=int) for column in layout.BODY) * len(self.model.moving)
         tables = len(self._tables) + (0 if self._has_bodies else len(layout.BODY) * len(self.model.moving))
-        chunks = (rows + 2 * self._chunk) * (1 + width + len(layout.ENERGY)) * 8
-        return int(chunks + (hits + 2 * self._chunk) * IMPACT.itemsize + tables * TABLE_OVERHEAD)
+        chunks = (rows + self._chunk) * (1 + width + len(layout.ENERGY)) * 8
+        return int(chunks + (hits + self._chunk) * IMPACT.itemsize + tables * TABLE_OVERHEAD)
 
     def close(self) -> None:
         """Write what waits and close the file; calling it again does nothing."""
