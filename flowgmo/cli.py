@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import os
 import shlex
+import signal
 import sys
 import traceback
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -112,12 +115,34 @@ def _without_reader() -> None:
     sys.exit(FAILED)
 
 
+@contextmanager
+def _leaving_on_ctrl_c() -> Iterator[None]:
+    """Ctrl-C while nothing has been computed ends at once: libraries that load or write turn KeyboardInterrupt into
+    errors of their own. A run brings its own handler (run.py)."""
+
+    def leave(number: int, frame: object) -> None:
+        os.write(2, b"flowgmo: interrupted\n")
+        os._exit(INTERRUPTED)
+
+    old = signal.signal(signal.SIGINT, leave)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, old)
+
+
 def main() -> None:
-    """Entry point: turns every error into a text and an exit code."""
+    """Entry point."""
+    with _leaving_on_ctrl_c():
+        _prepare_streams()
+        _main()
+
+
+def _main() -> None:
+    """Turns every error into a text and an exit code."""
     from flowgmo.deck.errors import DeckError
     from flowgmo.errors import FlowgmoError
 
-    _prepare_streams()
     try:
         cli(standalone_mode=False)
     except click.exceptions.Abort:
@@ -136,8 +161,6 @@ def main() -> None:
     except FlowgmoError as error:
         _say(f"flowgmo: {error}")
         sys.exit(getattr(error, "code", WRONG))
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
     except MemoryError:
         _say("flowgmo: the machine's memory is not enough for this scene")
         sys.exit(FAILED)

@@ -81,7 +81,10 @@ def pack(bodies: tuple[Body, ...], gravity: np.ndarray) -> tuple[np.ndarray, Law
             row[name] = value
         row["gravity"] = gravity
     _point_loads(arrays, bodies, book)
-    return arrays, book.pack() if np.any(arrays["motion"] > BALLISTIC) else None
+    motion = arrays["motion"]
+    if not np.any(motion > BALLISTIC):
+        return arrays, None
+    return arrays, book.pack(hinged=bool(np.any(motion == HINGED)), forced=bool(np.any(motion == FORCED)))
 
 
 def _row(body: Body, book: LawBook) -> dict[str, object]:

@@ -191,6 +191,13 @@ def _derivative(body, laws, t, y, angle, free, after, dy):
         dy[X] = y[V]
         dy[LOADS] = given * y[V]
         return
+    _free_derivative(body, laws, laws.forced, t, y, free, after, dy)
+
+
+@inner
+def _free_derivative(body, laws, forced, t, y, free, after, dy):
+    if forced is None:
+        return
     q = normalized((y[Q], y[Q + 1], y[Q + 2], y[Q + 3]))
     v = (
         y[V] if free[0] else value(laws, body.drive[0], t),

@@ -16,11 +16,17 @@ TABLE, SINUSOID = 0, 1
 
 
 class Laws(NamedTuple):
-    """rows (k,) of LAW; entries (e, 2) of all tables: time, value; loads (j,) of LOAD."""
+    """rows (k,) of LAW; entries (e, 2) of all tables: time, value; loads (j,) of LOAD.
+
+    hinged, forced: None unless the scene has bodies on a fixed axis, or bodies whose equations of motion are
+    integrated; a function that gets None for one compiles no code for it.
+    """
 
     rows: np.ndarray
     entries: np.ndarray
     loads: np.ndarray
+    hinged: np.ndarray | None
+    forced: np.ndarray | None
 
 
 #: A law: kind, first and last entry of a table, or a wave's amplitude, frequency, phase.
@@ -58,8 +64,11 @@ class LawBook:
     def add_load(self, load: PointLoad, origin: np.ndarray) -> None:
         self._loads.append(([self.add(f) for f in load.force], load.point - origin, load.in_body_axes))
 
-    def pack(self) -> Laws:
+    def pack(self, hinged: bool, forced: bool) -> Laws:
+        some = np.zeros(0)
         return Laws(
+            hinged=some if hinged else None,
+            forced=some if forced else None,
             rows=np.array(self._rows, LAW),
             entries=np.array(self._entries, dtype=float).reshape(-1, 2),
             loads=np.array(self._loads, LOAD),

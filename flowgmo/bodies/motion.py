@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.arrays import BALLISTIC, DRIVEN, STILL
+from flowgmo.bodies.arrays import BALLISTIC, DRIVEN, HINGED, STILL
 from flowgmo.bodies.forced import DRIVE, LOADS, SIZE, Q, V, W, X, accelerations, hinge_acceleration, integrate
 from flowgmo.bodies.laws import integral, next_turn, value
 from flowgmo.bodies.top import spin_freely
@@ -59,9 +59,19 @@ def fly(body, row, laws, books, t0, t1, hits):
         put(row.w, w)
         return n
     if laws is not None:
-        if motion == DRIVEN:
-            _drive(body, row, laws, t0, t1)
-            return 0
+        return _by_laws(body, row, laws, laws.hinged, laws.forced, books, t0, t1, hits)
+    return 0
+
+
+@inner
+def _by_laws(body, row, laws, hinged, forced, books, t0, t1, hits):
+    if body.motion == DRIVEN:
+        _drive(body, row, laws, t0, t1)
+        return 0
+    if hinged is not None:
+        if body.motion == HINGED:
+            return _integrated(body, row, laws, books, t0, t1, hits)
+    if forced is not None:
         return _integrated(body, row, laws, books, t0, t1, hits)
     return 0
 
@@ -253,6 +263,13 @@ def _pushes(body, row, laws, t, q, w_B):
         if row.hold[3] != 0:
             push, _ = hinge_acceleration(body, laws, t, row.angle)
         return (0.0, 0.0, 0.0, push)
+    return _pushes_free(body, row, laws, laws.forced, t, q, w_B)
+
+
+@inner
+def _pushes_free(body, row, laws, forced, t, q, w_B):
+    if forced is None:
+        return (0.0, 0.0, 0.0, 0.0)
     held = row.hold[0] != 0 or row.hold[1] != 0 or row.hold[2] != 0
     if not held or body.mass == 0.0:
         return (0.0, 0.0, 0.0, 0.0)
@@ -340,6 +357,13 @@ def _store(body, row, laws, y, t0, t1):
     if body.hinge == 1:
         row.angle = min(max(row.angle + y[X], body.lo[3]), body.hi[3])
         place_hinged(body, row, row.angle, y[V])
+        return
+    _store_free(body, row, laws, laws.forced, y, t0, t1)
+
+
+@inner
+def _store_free(body, row, laws, forced, y, t0, t1):
+    if forced is None:
         return
     reference = add(triple(row.p), rotate(quad(row.q), body.reference))
     q = normalized((y[Q], y[Q + 1], y[Q + 2], y[Q + 3]))

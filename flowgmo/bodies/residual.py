@@ -30,8 +30,7 @@ def residual_load(body, row, laws, t):
     for k in range(6):
         solved += body.coupled[k]
     if solved > 0:
-        _, _, held, kept, _, _ = accelerations(body, laws, t, q, w_B, body.coupled, False)
-        return held, rotate(q, kept)
+        return _partly_kept(body, laws, laws.forced, t, q, w_B)
     alpha_B, a = _driven_acceleration(body, row, laws, t, q, w)
     f, m = control_loads(body, laws, t, q)
     force = sub(along(scale(body.mass, a), -body.mass, body.gravity), f)
@@ -43,6 +42,15 @@ def residual_load(body, row, laws, t):
         return force, sub(scale(_moment_about_B(body), rotate(q, alpha_B)), rotate(q, m))
     torque = sub(add(tensor_times(inertia, alpha_B), cross(w_B, tensor_times(inertia, w_B))), m)
     return force, rotate(q, torque)
+
+
+@inner
+def _partly_kept(body, laws, forced, t, q, w_B):
+    """Of a body of which some components are solved for (it is then one of the forced)."""
+    if forced is None:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    _, _, held, kept, _, _ = accelerations(body, laws, t, q, w_B, body.coupled, False)
+    return held, rotate(q, kept)
 
 
 @inner
