@@ -10,6 +10,7 @@ from postproc.palette import COLOURS
 from postproc.scene import Scene
 
 BACKGROUND, SOLID_COLOUR, CROWD_COLOUR = "#ffffff", "#d2d6dc", "#a9bccd"
+MOST_NAMES = 8  # a longer legend covers the picture
 VIEWS = ("iso", "x", "y", "z")
 
 
@@ -51,3 +52,17 @@ def camera(view: str) -> tuple[np.ndarray, tuple[float, float, float], bool]:
     }[view]
     direction = np.array(direction, dtype=float)
     return direction / np.linalg.norm(direction), up, view != "iso"
+
+
+def clock(t: float, end: float, unit: str) -> str:
+    """ "t = 0.300 s": decimals as the end of the run asks for (0.300, 3.000, 117.3), so that a movie's do not dance."""
+    decimals = (3 if end >= 1 else 2) - int(np.floor(np.log10(end))) if end > 0 else 0
+    number = f"{t:.{max(0, decimals)}f}" if decimals <= 7 else f"{t:.4g}"  # 7: a run of 0.1 ms
+    return f"t = {number} {unit}".rstrip()
+
+
+def body_names(scene: Scene, colours: dict[int, str]) -> list[tuple[str, str]]:
+    """Names and colours for a legend; none for one body, or for so many that they would cover the picture."""
+    if not 1 < len(colours) <= MOST_NAMES:
+        return []
+    return [(scene.names.get(number, f"obs{number}"), colour) for number, colour in colours.items()]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,12 @@ from postproc.errors import PostprocError, WrongRequest
 from postproc.pictures import draw
 from postproc.results import Results
 from postproc.scene import Scene
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+LAST = 1000  # ms; the end is shown longer before the movie begins again
+SAMPLES, COARSE = 12, 4  # frames that the colours are taken from; steps between two shades
 
 
 def movie(
@@ -41,9 +48,25 @@ def movie(
 def _join(files: list[Path], path: Path, rate: float) -> None:
     from PIL import Image
 
-    images = [Image.open(file).convert("RGB").quantize(128, dither=Image.Dither.NONE) for file in files]
+    images = [Image.open(file).convert("RGB") for file in files]
+    palette = _palette(images)
+    images = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    shown = [round(1000 / rate)] * (len(images) - 1) + [LAST]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        images[0].save(path, save_all=True, append_images=images[1:], duration=1000 / rate, loop=0)
+        images[0].save(path, save_all=True, append_images=images[1:], duration=shown, loop=0)
     except OSError as error:
         raise PostprocError(f"cannot write {path}: {error}") from error
+
+
+def _palette(images: list[Image.Image]) -> Image.Image:
+    """256 colours for all frames, so that they do not flicker; each shade that occurs counts once, however few pixels.
+
+    By the number of pixels a large floor would get all colours, and a small ball none of its own.
+    """
+    from PIL import Image
+
+    some = np.concatenate([np.asarray(image).reshape(-1, 3) for image in images[:: max(1, len(images) // SAMPLES)]])
+    shades = np.unique(some // COARSE, axis=0) * COARSE + COARSE // 2
+    shades = np.concatenate([shades, np.full((len(shades) // 20 + 1, 3), 255)]).astype(np.uint8)  # white stays white
+    return Image.fromarray(shades[None]).quantize(256, method=Image.Quantize.MEDIANCUT)

@@ -11,7 +11,7 @@ from postproc import style
 from postproc.errors import WrongRequest
 from postproc.results import Curve, Results
 
-LINES = ("-", "--", ":", "-.")
+FEW_NAMES, MOST_NAMES = 10, 18  # of a legend beside a panel: in full size, at all
 FEW_POINTS = 40  # up to here each row gets a mark
 
 
@@ -29,9 +29,14 @@ def plot(
     figure, rows = plt.subplots(
         len(panels), 1, figsize=(9, 1.6 + 3.2 * len(panels)), squeeze=False, sharex=True, layout="constrained"
     )
-    figure.suptitle(results.title, fontsize=13, fontweight="bold", x=0.02, ha="left")
+    style.headline(figure, results.title, 13)
+    above = ""
     for axes, group in zip(rows[:, 0], panels.values(), strict=True):
-        _panel(axes, group, component)
+        owners = {_owner(curve) for curve in group}
+        _panel(axes, group, owners, component)
+        if len(owners) == 1 and (owner := owners.pop()) not in ("energy", above):
+            axes.set_title(style.plain(owner))
+            above = owner
     t = np.concatenate([results.t[[0, -1]] if len(results.t) else [], *(c.t for c in curves)])
     if len(t) == 0:
         raise WrongRequest(f"{results.path} holds no rows yet")
@@ -44,21 +49,22 @@ def _kind(curve: Curve) -> str:
     return "energy" if "energy" in curve.name else curve.name.rsplit("/", 1)[-1]
 
 
-def _panel(axes: plt.Axes, group: list[Curve], component: str | None) -> None:
-    owners = {_owner(curve) for curve in group}
+def _panel(axes: plt.Axes, group: list[Curve], owners: set[str], component: str | None) -> None:
     names = {curve.name.rsplit("/", 1)[-1] for curve in group}
     lines = 0
+    kinds = style.strokes(list(group[0].y.T) if len(group) == 1 else [_one(curve, component) for curve in group])
     for k, curve in enumerate(group):
         shown = [j for j, c in enumerate(curve.columns) if component is None or c in (component, "")]
         for j in shown:
             words = [_owner(curve)] if len(owners) > 1 else []
             words += [curve.name.rsplit("/", 1)[-1].replace("_", " ")] if len(names) > 1 else []
             words += [curve.columns[j]] if len(shown) > 1 else []
-            look = {"color": style.colour(j if len(group) == 1 else k), "label": " ".join(words)}
+            look = {"color": style.colour(j if len(group) == 1 else k), "label": style.plain(" ".join(words))}
             if curve.name.startswith("collisions/"):
                 look |= {"ls": "", "marker": "o", "ms": 4}
             else:
-                look |= {"ls": LINES[j % 4] if len(shown) > 1 and (len(group) > 1 or j == 1) else "-"}
+                several = len(group) > 1 and len(shown) > 1  # bodies by colours, components by strokes
+                look |= {"ls": style.LINES[j % 4]} if several else kinds[k if len(group) > 1 else j]
                 look |= {"marker": "o", "ms": 3.5} if len(curve.t) <= FEW_POINTS else {}
             axes.plot(curve.t, curve.y[:, j], **look)
             lines += bool(words)
@@ -66,10 +72,26 @@ def _panel(axes: plt.Axes, group: list[Curve], component: str | None) -> None:
     what += " energy" if owners == {"energy"} and what != "energy" else ""
     what += f" {component}" if component and group[0].columns != ("",) else ""
     axes.set_ylabel(style.label(what, group[0].unit))
-    if len(owners) == 1 and (owner := owners.pop()) not in ("energy", ""):
-        axes.set_title(owner)
+    style.fit_values(axes)
     if lines > 1:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.4)
+        _legend(axes)
+
+
+def _one(curve: Curve, component: str | None) -> np.ndarray:
+    """The component, else the first one."""
+    return curve.y[:, curve.columns.index(component) if component in curve.columns else 0]
+
+
+def _legend(axes: plt.Axes) -> None:
+    """Beside the panel, as many names as fit."""
+    handles, texts = axes.get_legend_handles_labels()
+    more = len(texts) - MOST_NAMES
+    if more > 0:
+        handles, texts = handles[:MOST_NAMES], texts[:MOST_NAMES]
+        handles.append(plt.Line2D([], [], ls=""))
+        texts.append(f"… and {more} more")
+    small = {"fontsize": 8, "labelspacing": 0.2} if len(texts) > FEW_NAMES else {}
+    axes.legend(handles, texts, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.4, **small)
 
 
 def _owner(curve: Curve) -> str:

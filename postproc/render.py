@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pyvista as pv
 
-from postproc.look import BACKGROUND, SOLID_COLOUR, Frame, body_colours, camera, frame_of
+from postproc.look import BACKGROUND, SOLID_COLOUR, Frame, body_colours, body_names, camera, clock, frame_of
 from postproc.palette import INK
 from postproc.results import Results
 from postproc.scene import Scene, Surface
@@ -24,7 +24,7 @@ from postproc.scene import Scene, Surface
 SHARP = 35.0  # degrees; edges sharper than this stay sharp in the shading and get a line
 LENS = 20.0  # degrees; a long lens, little distortion
 MARGIN = 1.14  # of the box, for the label and the axes
-MOST_NAMES = 8  # a longer legend covers the picture
+BAR = 0.14  # of the width, kept free for the scale of the speeds
 MOST_RAYS = 200
 
 
@@ -42,11 +42,11 @@ def render(job: dict) -> None:
         for surface in scene.at(wanted["time"]):
             _add(plotter, surface, surface.number in hiding, colours, fastest, scene.speed_label)
         _outline(plotter, frame)
-        _place_camera(plotter, frame, job)
+        _place_camera(plotter, frame, job, BAR if fastest > 0 else 0.0)
         if job["label"]:
-            _label(plotter, f"t = {wanted['time']:.4g} {scene.time_unit}".rstrip(), job["size"])
-            if fastest == 0 and 1 < len(colours) <= MOST_NAMES:
-                _legend(plotter, {scene.names.get(k, f"obs{k}"): colour for k, colour in colours.items()}, job["size"])
+            _label(plotter, clock(wanted["time"], scene.end, scene.time_unit), job["size"])
+            if fastest == 0:
+                _legend(plotter, body_names(scene, colours), job["size"])
         plotter.enable_anti_aliasing("ssaa")
         image = plotter.screenshot(wanted["path"], return_img=True)
         plotter.close()
@@ -105,14 +105,15 @@ def _label(plotter: pv.Plotter, text: str, size: list[int]) -> None:
     plotter.add_axes(line_width=3, color=INK, viewport=(0, 0, 0.16, 0.16 * size[0] / size[1]))
 
 
-def _legend(plotter: pv.Plotter, names: dict[str, str], size: list[int]) -> None:
-    for k, (name, colour) in enumerate(names.items()):
-        place = (0.86, 0.94 - 0.036 * k)
-        plotter.add_text(name, place, viewport=True, font_size=max(7, size[1] // 80), color=colour)
+def _legend(plotter: pv.Plotter, names: list[tuple[str, str]], size: list[int]) -> None:
+    for k, (name, colour) in enumerate(names):
+        place = (0.97, 0.94 - 0.036 * k)
+        text = plotter.add_text(name, place, viewport=True, font_size=max(7, size[1] // 80), color=colour)
+        text.GetTextProperty().SetJustificationToRight()
 
 
-def _place_camera(plotter: pv.Plotter, frame: Frame, job: dict) -> None:
-    """Look at the box so that it just fills the picture.
+def _place_camera(plotter: pv.Plotter, frame: Frame, job: dict, bar: float) -> None:
+    """Look at the box so that it just fills the picture but for the part `bar` of its width, on the right.
 
     A corner at (a, b, c) to the right, up, towards the camera is inside when |a| <= tan(angle/2) aspect (d - c) and
     |b| <= tan(angle/2) (d - c), d the camera's distance.
@@ -125,10 +126,12 @@ def _place_camera(plotter: pv.Plotter, frame: Frame, job: dict) -> None:
     middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
     width, height = job["size"]
     a, b, c = np.abs(a - middle[0]), np.abs(b - middle[1]), c - middle[2]
+    aspect = width / height * (1 - bar)
     half = np.tan(np.radians(LENS / 2))
-    distance = MARGIN * max((c + b / half).max(), (c + a / (half * width / height)).max())
+    distance = MARGIN * max((c + b / half).max(), (c + a / (half * aspect)).max())
     plotter.camera.parallel_projection = parallel
-    plotter.camera.parallel_scale = MARGIN * max(b.max(), a.max() * height / width)
+    plotter.camera.parallel_scale = MARGIN * max(b.max(), a.max() / aspect)
+    plotter.camera.SetWindowCenter(bar, 0.0)
     plotter.camera.view_angle = LENS
     plotter.camera.focal_point = middle @ axes
     plotter.camera.position = middle @ axes + distance * direction

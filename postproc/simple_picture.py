@@ -10,12 +10,13 @@ from matplotlib import pyplot as plt
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from postproc import style
-from postproc.look import SOLID_COLOUR, body_colours, camera, frame_of
+from postproc.look import SOLID_COLOUR, body_colours, body_names, camera, clock, frame_of
 from postproc.results import Results
 from postproc.scene import Scene, Surface
 
 SUN = np.array([-0.4, -0.5, 0.77])
 DOTS = 100  # per inch
+LETTERS = 1.6  # points for each inch of the picture's height
 
 
 def draw_simply(results: Results, job: dict) -> None:
@@ -23,8 +24,9 @@ def draw_simply(results: Results, job: dict) -> None:
     scene = Scene(results)
     frame, colours = frame_of(scene), body_colours(scene.moving, job["chosen"])
     direction, _, parallel = camera(job["view"])
+    width, height = (pixels / DOTS for pixels in job["size"])
     for wanted in job["frames"]:
-        figure = plt.figure(figsize=(job["size"][0] / DOTS, job["size"][1] / DOTS), dpi=DOTS)
+        figure = plt.figure(figsize=(width, height), dpi=DOTS)
         axes = figure.add_axes((0, 0, 1, 1), projection="3d", proj_type="ortho" if parallel else "persp")
         axes.view_init(np.degrees(np.arcsin(direction[2])), np.degrees(np.arctan2(direction[1], direction[0])))
         for surface in scene.at(wanted["time"]):
@@ -34,7 +36,10 @@ def draw_simply(results: Results, job: dict) -> None:
         axes.set_box_aspect(np.ptp(frame.bounds, axis=0), zoom=0.98)
         axes.set_axis_off()
         if job["label"]:
-            figure.text(0.03, 0.94, f"t = {wanted['time']:.4g} {scene.time_unit}", fontsize=14)
+            figure.text(0.03, 0.94, clock(wanted["time"], scene.end, scene.time_unit), fontsize=LETTERS * height)
+            for k, (name, colour) in enumerate(body_names(scene, colours)):
+                place = (0.97, 0.94 - 0.04 * k)
+                figure.text(*place, style.plain(name), color=colour, ha="right", fontsize=0.9 * LETTERS * height)
         style.save(figure, Path(wanted["path"]), dots=DOTS)
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
+import numpy as np
 
 matplotlib.use("Agg")
 
@@ -17,6 +19,13 @@ from postproc.palette import COLOURS, FAINT, INK
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+EDGE = 0.012  # of a figure's width, beside its title
+LETTER = 0.66  # of the font size, mean width of a bold letter of DejaVu Sans, wide ones as many as narrow ones
+SMALL, HANDLE = 9.5, 0.42  # of a legend above a plot: font size; width of an entry beside its text [inches]
+LINES = ("-", "--", ":", "-.")
+SAME, HALF = 0.005, 0.5  # curves closer than this part of the panel, at more than half of the rows, hide each other
+LEVEL = 1e-6  # of its value; a smaller change is not drawn
 
 plt.rcParams.update(
     {
@@ -68,11 +77,79 @@ def label(name: str, unit: str) -> str:
     return f"{words} [{unit}]" if unit else words
 
 
-def fit_time(axes: Axes, t0: float, t1: float, unit: str) -> None:
-    """The time axis: from edge to edge."""
+def plain(text: str) -> str:
+    """Text of the user's, in which a dollar is a dollar and not the start of a formula."""
+    return text.replace("$", r"\$")
+
+
+def headline(figure: Figure, text: str, size: float) -> None:
+    """The title of a figure, on as many lines as its width asks for, three at most."""
+    width = (1 - 2 * EDGE) * figure.get_figwidth() * 72  # points
+    letter = size * LETTER
+    lines = textwrap.wrap(text, max(10, int(width / letter)), max_lines=3, placeholder=" …")
+    figure.suptitle(plain("\n".join(lines)), fontsize=size, fontweight="bold", x=EDGE, ha="left")
+
+
+def strokes(curves: list[np.ndarray]) -> list[dict]:
+    """Strokes and order for the curves of a panel: one that runs on top of another, which varies more, is broken."""
+    everything = np.concatenate([*curves, np.zeros(0)])
+    span = float(np.ptp(everything)) if everything.size else 0.0
+    order = sorted(range(len(curves)), key=lambda k: -float(np.ptp(curves[k])) if len(curves[k]) else 0.0)
+    looks: list[dict] = [{}] * len(curves)
+    for place, k in enumerate(order):
+        on_top = sum(_same(curves[k], curves[other], span) for other in order[:place])
+        looks[k] = {"ls": LINES[on_top % len(LINES)], "zorder": 3 + place}
+    return looks
+
+
+def _same(a: np.ndarray, b: np.ndarray, span: float) -> bool:
+    return len(a) == len(b) > 0 and float(np.mean(np.abs(a - b) <= SAME * span)) > HALF
+
+
+def fit_values(axes: Axes) -> None:
+    """A quantity that does not change is a level line, not the rounding of it."""
+    low, high = axes.dataLim.intervaly
+    size = max(abs(low), abs(high))
+    if np.isfinite(size) and 0 < high - low < LEVEL * size:
+        axes.set_ylim((low + high) / 2 - size / 4, (low + high) / 2 + size / 4)
+
+
+def legend_above(axes: Axes, width: float) -> None:
+    """A legend beside the title, where it hides no curve; `width` of the axes [inches]."""
+    handles, texts = axes.get_legend_handles_labels()
+    if not texts:
+        return
+    room = width - len(axes.get_title(loc="left")) * 11 * LETTER / 72
+    entries = [HANDLE + len(text) * SMALL * LETTER / 72 for text in texts]
+    axes.legend(
+        handles,
+        texts,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        borderaxespad=0.1,
+        ncols=columns_that_fit(entries, room),
+        fontsize=SMALL,
+        handlelength=1.6,
+        columnspacing=1.0,
+        handletextpad=0.5,
+    )
+
+
+def columns_that_fit(entries: list[float], room: float) -> int:
+    """The most columns of a legend, filled one after the other, in which entries of these widths are within `room`."""
+    for columns in range(len(entries), 1, -1):
+        parts = np.array_split(np.array(entries), columns)
+        if sum(part.max() for part in parts) <= room:
+            return columns
+    return 1
+
+
+def fit_time(axes: Axes, t0: float, t1: float, unit: str | None) -> None:
+    """The time axis: from edge to edge; without its name where the unit is None."""
     if t1 > t0:
         axes.set_xlim(t0, t1)
-    axes.set_xlabel(label("time", unit))
+    if unit is not None:
+        axes.set_xlabel(label("time", unit))
 
 
 def save(figure: Figure, path: Path, dots: float | None = None) -> Path:

@@ -1,323 +1,209 @@
-"""Bodies whose motion has no closed form: control loads, fixed points and axes, partly prescribed velocities.
+"""Hinged and forced bodies from t0 to t1: integrated legs, each to the end or to the first stop.
 
-    m dv/dt = F                       on the coupled translations, space axes;  v_P(t) prescribed on the others
-    I_FF dw_F/dt = (T - w × I w)_F - I_FP dw_P/dt      coupled rotations F, prescribed P, body axes, about B
-    dq/dt = ½ q w                     about a fixed point I, T are those about the point and v follows from w
-    J d²θ/dt² = a · T                 about a fixed axis a
-
-Every prescribed component needs a residual load to keep it; its work and that of the control loads are integrated
-along. Dormand & Prince's 8(5,3) pair with steps that end at the kinks of the tables (Hairer, Nørsett & Wanner 1993,
-II.5; coefficients as tabulated in scipy).
+With stops the interval is cut in slices; where a body passed a stop, or nothing presses a held component any more, the
+time is found by bisection.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.integrate import DOP853
 
-from flowgmo.bodies.laws import next_kink, rate, value
+from flowgmo.bodies.driven import place_driven, place_hinged
+from flowgmo.bodies.equations import DRIVE, LOADS, SIZE, Q, V, W, X, accelerations, hinge_acceleration
+from flowgmo.bodies.integrate import integrate
+from flowgmo.bodies.laws import value
+from flowgmo.bodies.stops import note_hit
 from flowgmo.kernel import inner
 from flowgmo.vectors import (
     add,
-    cross,
     dot,
     normalized,
-    product,
+    put,
+    put4,
+    quad,
     rotate,
-    scale,
-    sub,
-    turned,
+    triple,
     unrotate,
 )
 
-_A = np.ascontiguousarray(DOP853.A[: DOP853.n_stages, : DOP853.n_stages])
-_B = np.ascontiguousarray(DOP853.B)
-_C = np.ascontiguousarray(DOP853.C[: DOP853.n_stages])
-_E3 = np.ascontiguousarray(DOP853.E3)
-_E5 = np.ascontiguousarray(DOP853.E5)
-STAGES = len(_C)
-TOLERANCE = 1e-12  # local error relative to the change in a step: 1e-9 and better over thousands of steps
-MAX_SUBSTEPS = 1_000_000  # a step that needs more is given up with an error, not a hang
-
-# y: displacement of B (3), q (4), v (3), w body axes (3), work of loads, work of what is prescribed.
-# Fixed axis: angle turned in y[0], its rate in y[7].
-X, Q, V, W, LOADS, DRIVE, SIZE = 0, 3, 7, 10, 13, 14, 15
+FROM_PRESCRIBED, FROM_LOADS = 2, 3  # places in State.books
+STOP_SLICES = 8  # parts of a step in which a body with stops is watched: what begins and ends within one is missed
+FAILED = -1
+NO_STOP, FAILED_LEG, LET_GO = -1, -2, -3
 
 
 @inner
-def _three(laws, k, t):
-    """Values of three laws as a triple."""
-    return (value(laws, k[0], t), value(laws, k[1], t), value(laws, k[2], t))
+def fly_integrated(body, row, laws, books, t0, t1, hits):
+    """Hinged and forced bodies. With stops the interval is cut in slices, and a crossing is located by bisection."""
+    n = np.int64(0)
+    t = t0
+    slices = STOP_SLICES if body.stopped else 1
+    for s in range(slices):
+        end = t1 if s == slices - 1 else t0 + (t1 - t0) * (s + 1) / slices
+        for _ in range(64):  # stops met in one slice; more would be a chatter that holding has ended
+            if t >= end:
+                break
+            if body.stopped:
+                _let_go(body, row, laws, t)
+            t, k = _leg(body, row, laws, books, t, end)
+            if k == FAILED_LEG:
+                return FAILED
+            if k >= 0:
+                n = _stop_component(body, row, books, t, k, hits, n)
+    return n
 
 
 @inner
-def control_loads(body, laws, t, q):
-    """Control force (space axes) and torque about B (body axes) at time t, attitude q; triples."""
-    f = _three(laws, body.force, t)
-    m = _three(laws, body.torque, t)
-    if body.load_in_body:
-        f = rotate(q, f)
-    else:
-        m = unrotate(q, m)
-    for j in range(body.first_load, body.last_load):
-        load = laws.loads[j]
-        p = _three(laws, load.law, t)
-        if load.in_body:
-            m = add(m, cross(load.arm, p))
-            p = rotate(q, p)
-        else:
-            m = add(m, cross(load.arm, unrotate(q, p)))
-        f = add(f, p)
-    return f, m
+def _let_go(body, row, laws, t):
+    """Release the components that nothing presses against their stop any more."""
+    pushes = _pushes(body, row, laws, t, quad(row.q), unrotate(quad(row.q), triple(row.w)))
+    for k in range(4):
+        if row.hold[k] != 0 and pushes[k] * row.hold[k] < 0.0:
+            row.hold[k] = 0
 
 
 @inner
-def inertia_about(body):
-    """The six different entries xx yy zz xy xz yz of the tensor about B, or about the fixed point (Steiner)."""
-    i = body.inertia
-    xx, yy, zz, xy, xz, yz = i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]
-    if body.hinge == 2:
-        a = body.arm
-        m = body.mass
-        xx += m * (a[1] * a[1] + a[2] * a[2])
-        yy += m * (a[0] * a[0] + a[2] * a[2])
-        zz += m * (a[0] * a[0] + a[1] * a[1])
-        xy -= m * a[0] * a[1]
-        xz -= m * a[0] * a[2]
-        yz -= m * a[1] * a[2]
-    return (xx, yy, zz, xy, xz, yz)
-
-
-@inner
-def tensor_times(i, x):
-    """Symmetric tensor (six entries) times triple."""
-    return (
-        i[0] * x[0] + i[3] * x[1] + i[4] * x[2],
-        i[3] * x[0] + i[1] * x[1] + i[5] * x[2],
-        i[4] * x[0] + i[5] * x[1] + i[2] * x[2],
-    )
-
-
-@inner
-def solve_free(i, free, r):
-    """x with (I x)_F = r_F on the free components F, zero elsewhere: the inverse of the free-free block (Cramer)."""
-    f0, f1, f2 = free[3] != 0, free[4] != 0, free[5] != 0
-    a, b, c = (i[0] if f0 else 1.0), (i[1] if f1 else 1.0), (i[2] if f2 else 1.0)
-    d = i[3] if f0 and f1 else 0.0
-    e = i[4] if f0 and f2 else 0.0
-    f = i[5] if f1 and f2 else 0.0
-    r0, r1, r2 = (r[0] if f0 else 0.0), (r[1] if f1 else 0.0), (r[2] if f2 else 0.0)
-    m00, m01, m02 = b * c - f * f, e * f - d * c, d * f - b * e
-    m11, m12, m22 = a * c - e * e, d * e - a * f, a * b - d * d
-    det = a * m00 + d * m01 + e * m02
-    return (
-        (m00 * r0 + m01 * r1 + m02 * r2) / det,
-        (m01 * r0 + m11 * r1 + m12 * r2) / det,
-        (m02 * r0 + m12 * r1 + m22 * r2) / det,
-    )
-
-
-@inner
-def accelerations(body, laws, t, q, w, free, after):
-    """Accelerations of a body and the loads that keep what is prescribed; all triples.
-
-    q, w tuples (w in body axes); free (6,) nonzero where a component is solved for; after: at a kink of a prescribed
-    velocity, take the motion behind it, not the one that led there.
-    Returns dv/dt (space axes), dw/dt (body axes), residual force and torque on the components that are not free,
-    control force and torque. About a fixed point the torques are about that point and there are no forces.
-    """
-    f, m = control_loads(body, laws, t, q)
-    weight = scale(body.mass, body.gravity)
-    force = add(f, weight)
-    torque = m
-    if body.hinge == 2:
-        # a force at the mass centre turns about the point; the given total torque is already about it
-        torque = add(m, cross(body.arm, unrotate(q, force)))
-        m = add(m, cross(body.arm, unrotate(q, f)))
-        f = (0.0, 0.0, 0.0)
-    driven = (
-        0.0 if free[0] else rate(laws, body.drive[0], t, after),
-        0.0 if free[1] else rate(laws, body.drive[1], t, after),
-        0.0 if free[2] else rate(laws, body.drive[2], t, after),
-    )
-    dv = (
-        force[0] / body.mass if free[0] else driven[0],
-        force[1] / body.mass if free[1] else driven[1],
-        force[2] / body.mass if free[2] else driven[2],
-    )
-    dw = (
-        0.0 if free[3] else rate(laws, body.drive[3], t, after),
-        0.0 if free[4] else rate(laws, body.drive[4], t, after),
-        0.0 if free[5] else rate(laws, body.drive[5], t, after),
-    )
-    inertia = inertia_about(body)
-    gyro = cross(w, tensor_times(inertia, w))
-    dw = add(dw, solve_free(inertia, free, sub(sub(torque, gyro), tensor_times(inertia, dw))))
-    lacking = sub(add(tensor_times(inertia, dw), gyro), torque)
-    kept = (
-        0.0 if free[3] else lacking[0],
-        0.0 if free[4] else lacking[1],
-        0.0 if free[5] else lacking[2],
-    )
-    held = (0.0, 0.0, 0.0)
-    if body.hinge == 0:
-        held = (
-            0.0 if free[0] else body.mass * dv[0] - force[0],
-            0.0 if free[1] else body.mass * dv[1] - force[1],
-            0.0 if free[2] else body.mass * dv[2] - force[2],
-        )
-    return dv, dw, held, kept, f, m
-
-
-@inner
-def hinge_acceleration(body, laws, t, angle):
-    """d²θ/dt² of a body on a fixed axis at `angle` [rad], and the control loads' moment about the axis."""
-    a = (body.axis[0], body.axis[1], body.axis[2])
-    q = turned((1.0, 0.0, 0.0, 0.0), scale(angle, a))
-    f, m = control_loads(body, laws, t, q)
-    arm = rotate(q, body.arm)
-    given = dot(a, cross(arm, f)) + dot(a, rotate(q, m))
-    weight = dot(a, cross(arm, scale(body.mass, body.gravity)))
-    return (given + weight) / body.hinge_moment, given
-
-
-@inner
-def _derivative(body, laws, t, y, angle, free, after, dy):
-    for k in range(SIZE):
-        dy[k] = 0.0
+def _pushes(body, row, laws, t, q, w_B):
+    """Accelerations (x, y, z, angle) that loads would give the components that are held; zero for the others."""
     if body.hinge == 1:
-        bend, given = hinge_acceleration(body, laws, t, angle + y[X])
-        dy[V] = bend
-        dy[X] = y[V]
-        dy[LOADS] = given * y[V]
-        return
-    _free_derivative(body, laws, laws.forced, t, y, free, after, dy)
+        push = 0.0
+        if row.hold[3] != 0:
+            push, _ = hinge_acceleration(body, laws, t, row.angle)
+        return (0.0, 0.0, 0.0, push)
+    return _pushes_free(body, row, laws, laws.forced, t, q, w_B)
 
 
 @inner
-def _free_derivative(body, laws, forced, t, y, free, after, dy):
+def _pushes_free(body, row, laws, forced, t, q, w_B):
+    if forced is None:
+        return (0.0, 0.0, 0.0, 0.0)
+    held = row.hold[0] != 0 or row.hold[1] != 0 or row.hold[2] != 0
+    if not held or body.mass == 0.0:
+        return (0.0, 0.0, 0.0, 0.0)
+    dv, _, _, _, _, _ = accelerations(body, laws, t, q, w_B, body.coupled, True)
+    return (dv[0], dv[1], dv[2], 0.0)
+
+
+@inner
+def _attempt(body, row, laws, t0, t1, y):
+    """y (SIZE,) at t1 from the row at t0. False: the integration gave up. A held angle does not move."""
+    w_B = unrotate(quad(row.q), triple(row.w))
+    for k in range(SIZE):
+        y[k] = 0.0
+    for k in range(4):
+        y[Q + k] = row.q[k]
+    for k in range(3):
+        y[V + k] = row.v[k]
+        y[W + k] = w_B[k]
+    if body.hinge == 1:
+        y[V] = dot(row.w, body.axis)
+        if row.hold[3] != 0:
+            y[V] = 0.0
+            return True
+    free = body.coupled.copy()
+    for k in range(3):
+        if row.hold[k] != 0:
+            free[k] = 0  # as if driven, with velocity zero
+    return integrate(body, laws, t0, t1, y, row.angle, free)
+
+
+@inner
+def _beyond(body, row, laws, t, y):
+    """What y at time t is too late for: a component beyond a stop, LET_GO if a held one is pressed no more; NO_STOP."""
+    q = normalized((y[Q], y[Q + 1], y[Q + 2], y[Q + 3]))
+    pushes = _pushes(body, row, laws, t, q, (y[W], y[W + 1], y[W + 2]))
+    for k in range(4):
+        if row.hold[k] != 0 and pushes[k] * row.hold[k] < 0.0:
+            return LET_GO
+    if body.hinge == 1:
+        at = row.angle + y[X]
+        return 3 if row.hold[3] == 0 and (at > body.hi[3] or at < body.lo[3]) else NO_STOP
+    worst, which = 0.0, NO_STOP
+    for k in range(3):
+        if row.hold[k] == 0 and body.coupled[k]:
+            at = row.p[k] - body.origin[k] + y[X + k]
+            over = max(at - body.hi[k], body.lo[k] - at)
+            if over > worst:
+                worst, which = over, k
+    return which
+
+
+@inner
+def _leg(body, row, laws, books, t0, t1):
+    """Integrate to t1 or to the first stop, and store. Returns the time reached and the stop met (or NO_STOP)."""
+    y = np.empty(SIZE)
+    if not _attempt(body, row, laws, t0, t1, y):
+        return t0, FAILED_LEG
+    end = t1
+    k = NO_STOP
+    if body.stopped:
+        k = _beyond(body, row, laws, t1, y)
+        if k != NO_STOP:
+            lo, hi = t0, t1
+            for _ in range(60):  # halves the interval to round-off
+                mid = 0.5 * (lo + hi)
+                if mid <= lo or mid >= hi:
+                    break
+                _attempt(body, row, laws, t0, mid, y)
+                beyond = _beyond(body, row, laws, mid, y)
+                if beyond != NO_STOP:
+                    hi, k = mid, beyond
+                else:
+                    lo = mid
+            end = hi
+            _attempt(body, row, laws, t0, end, y)
+    books[FROM_LOADS] += y[LOADS]
+    books[FROM_PRESCRIBED] += y[DRIVE]
+    _store(body, row, laws, y, t0, end)
+    return end, k
+
+
+@inner
+def _store(body, row, laws, y, t0, t1):
+    """The row at t1 from the integrated y: coupled components from it, prescribed ones from their exact integrals."""
+    if body.hinge == 1:
+        row.angle = min(max(row.angle + y[X], body.lo[3]), body.hi[3])
+        place_hinged(body, row, row.angle, y[V])
+        return
+    _store_free(body, row, laws, laws.forced, y, t0, t1)
+
+
+@inner
+def _store_free(body, row, laws, forced, y, t0, t1):
     if forced is None:
         return
+    reference = add(triple(row.p), rotate(quad(row.q), body.reference))
     q = normalized((y[Q], y[Q + 1], y[Q + 2], y[Q + 3]))
-    v = (
-        y[V] if free[0] else value(laws, body.drive[0], t),
-        y[V + 1] if free[1] else value(laws, body.drive[1], t),
-        y[V + 2] if free[2] else value(laws, body.drive[2], t),
+    rates = (
+        y[W] if body.coupled[3] else value(laws, body.drive[3], t1),
+        y[W + 1] if body.coupled[4] else value(laws, body.drive[4], t1),
+        y[W + 2] if body.coupled[5] else value(laws, body.drive[5], t1),
     )
-    w = (
-        y[W] if free[3] else value(laws, body.drive[3], t),
-        y[W + 1] if free[4] else value(laws, body.drive[4], t),
-        y[W + 2] if free[5] else value(laws, body.drive[5], t),
-    )
-    if body.mass > 0.0:
-        dv, dw, held, kept, f, m = accelerations(body, laws, t, q, w, free, after)
-        dy[LOADS] = dot(f, v) + dot(m, w)
-        dy[DRIVE] = dot(held, v) + dot(kept, w)
-        for k in range(3):
-            dy[V + k] = dv[k]
-            dy[W + k] = dw[k]
-    if body.hinge == 0:
-        for k in range(3):
-            dy[X + k] = v[k]
-    dq = product(q, (0.0, w[0], w[1], w[2]))
-    for k in range(4):
-        dy[Q + k] = 0.5 * dq[k]
+    put4(row.q, q)
+    put(row.w, rotate(q, rates))
+    before = triple(row.p)
+    place_driven(body, row, laws, reference, t0, t1)
+    if body.hinge == 2:
+        return
+    for k in range(3):  # a body with a coupled translation is driven at B itself, so the components are apart
+        if body.coupled[k]:
+            held = row.hold[k] != 0
+            row.p[k] = before[k] + (0.0 if held else y[X + k])
+            row.v[k] = 0.0 if held else y[V + k]
 
 
 @inner
-def _kink_after(body, laws, t):
-    at = np.inf
-    for k in range(6):
-        at = min(at, next_kink(laws, body.drive[k], t))
-    for k in range(3):
-        at = min(at, next_kink(laws, body.force[k], t), next_kink(laws, body.torque[k], t))
-    for j in range(body.first_load, body.last_load):
-        for k in range(3):
-            at = min(at, next_kink(laws, laws.loads[j].law[k], t))
-    return at
-
-
-@inner
-def _group(y, i):
-    """Norm of three components from i on."""
-    return np.sqrt(y[i] * y[i] + y[i + 1] * y[i + 1] + y[i + 2] * y[i + 2])
-
-
-@inner
-def _error(K, y, step, hinged):
-    """Hairer's error norm of a step, in units of TOLERANCE; 1 is the limit.
-
-    The error counts against what a group of components is or becomes in the step, so no unit enters; quaternions and
-    a hinge's angle count as they are.
-    """
-    turn = 1.0
-    speed = _group(y, V) + (_group(K[0], V) + _group(K[STAGES], V)) * step
-    place = 1.0 if hinged else speed * step
-    spin = _group(y, W) + (_group(K[0], W) + _group(K[STAGES], W)) * step
-    err3 = 0.0
-    err5 = 0.0
-    for i in range(LOADS):
-        size = place if i < Q else turn if i < V else speed if i < W else spin
-        if size == 0.0:
-            continue
-        e3 = 0.0
-        e5 = 0.0
-        for j in range(STAGES + 1):
-            e3 += K[j, i] * _E3[j]
-            e5 += K[j, i] * _E5[j]
-        err3 += (e3 / size) ** 2
-        err5 += (e5 / size) ** 2
-    if err5 == 0.0:
-        return 0.0
-    return step * err5 / np.sqrt((err5 + 0.01 * err3) * LOADS) / TOLERANCE
-
-
-@inner
-def integrate(body, laws, t0, t1, y, angle, free):
-    """y (SIZE,) of a body from t0 to t1, in place; `angle` where a fixed-axis body stands at y[X] = 0.
-
-    free (6,): nonzero where a component is solved for. Returns False if the step size collapsed.
-    """
-    K = np.zeros((STAGES + 1, SIZE))
-    work = np.zeros(SIZE)
-    hinged = body.hinge == 1
-    t = t0
-    h = t1 - t0
-    _derivative(body, laws, t, y, angle, free, True, K[0])
-    fast = _group(y, W) + np.sqrt(_group(K[0], W))
-    if hinged:
-        fast = abs(y[V]) + np.sqrt(abs(K[0, V]))
-    if fast * h > 0.5:
-        h = 0.5 / fast  # half a radian at first
-    for _ in range(MAX_SUBSTEPS):
-        if t >= t1:
-            return True
-        stop = min(t1, _kink_after(body, laws, t))
-        step = min(h, stop - t)
-        last = step >= stop - t
-        end = stop if last else t + step
-        for i in range(1, STAGES + 1):
-            for k in range(SIZE):
-                s = 0.0
-                for j in range(i):
-                    s += (_A[i, j] if i < STAGES else _B[j]) * K[j, k]
-                work[k] = y[k] + step * s
-            at = end if i == STAGES else t + _C[i] * step
-            _derivative(body, laws, at, work, angle, free, False, K[i])
-        error = _error(K, y, step, hinged)
-        if not np.isfinite(error):
-            return False
-        if error <= 1.0:
-            t = end
-            for k in range(SIZE):
-                y[k] = work[k]
-                K[0, k] = K[STAGES, k]
-            if last and t < t1:
-                _derivative(body, laws, t, y, angle, free, True, K[0])
-            grow = 5.0 if error == 0.0 else min(5.0, max(0.3, 0.9 * error**-0.125))
-            h = max(h, step * grow) if last else step * grow
-        else:
-            h = step * max(0.2, 0.9 * error**-0.125)
-            if t + h == t:
-                return False
-    return False
+def _stop_component(body, row, books, t, k, hits, n):
+    """The plastic impact with stop k: its velocity component becomes zero and is held."""
+    if k == 3:
+        rate = dot(row.w, body.axis)
+        row.hold[3] = 1 if rate > 0.0 else -1
+        loss = 0.5 * body.hinge_moment * rate * rate
+        n = note_hit(hits, n, t, 3, -body.hinge_moment * rate, loss, triple(body.point), books)
+        place_hinged(body, row, row.angle, 0.0)
+        return n
+    row.hold[k] = 1 if row.v[k] > 0.0 else -1
+    row.p[k] = body.origin[k] + (body.hi[k] if row.hold[k] > 0 else body.lo[k])
+    n = note_hit(hits, n, t, k, -body.mass * row.v[k], 0.5 * body.mass * row.v[k] ** 2, triple(row.p), books)
+    row.v[k] = 0.0
+    return n

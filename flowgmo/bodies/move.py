@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.motion import FAILED, fly
+from flowgmo.bodies.forced import FAILED
+from flowgmo.bodies.motion import fly
 from flowgmo.kernel import kernel
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.bodies.arrays import DRIVEN, FORCED
-from flowgmo.bodies.forced import accelerations, control_loads, inertia_about, tensor_times
+from flowgmo.bodies.equations import accelerations, control_loads, inertia_about, tensor_times
 from flowgmo.bodies.laws import rate
 from flowgmo.kernel import inner, kernel
 from flowgmo.vectors import add, along, cross, dot, put, quad, rotate, scale, sub, triple, unrotate

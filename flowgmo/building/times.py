@@ -76,7 +76,7 @@ def _output_intervals(found: Findings, name: str, clock: ClockPlan) -> Intervals
     with np.errstate(divide="ignore", invalid="ignore"):  # twfin/1000 may underflow to zero
         counts = np.diff(np.append(starts, clock.end)) / intervals.spacing
     k = int(np.argmax(counts))
-    if not counts[k] <= MOST_TIMES:
+    if counts[k] > MOST_TIMES:
         found.problem(
             name, k + 1, wrong=f"this gives {counts[k]:.3g} rows or pictures until twfin={clock.end:.6g}",
             write=f"Write {name.lower()}({k + 1})={clock.end / 1000:.3g} or the like",

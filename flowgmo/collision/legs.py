@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.motion import first_crossing, fly
+from flowgmo.bodies.motion import fly
+from flowgmo.bodies.stops import first_crossing
 from flowgmo.collision.distance import box_distance
 from flowgmo.collision.resting import friction_loss, plane_leg, series_state
 from flowgmo.kernel import inner

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.motion import first_crossing
+from flowgmo.bodies.stops import first_crossing
 from flowgmo.collision.distance import box_distance
 from flowgmo.collision.legs import AT_REST, FLIGHT, SEPARATING, SERIES, middle, speed_tolerance
 from flowgmo.kernel import inner

@@ -207,10 +207,8 @@ def test_no_moving_body(flowgmo, deck, tmp_path):
 
 def test_many_bodies(flowgmo, deck, tmp_path):
     """500, the most a deck may have; every one has its rows."""
-    places = [
-        f"imo({m})=4, rhomvb({m})=1., iob({m})={m}, rsh({m})=.05,\n trnx({m})={m % 25 * 0.3}, trny({m})={m // 25 * 0.3},\n"
-        for m in range(1, 501)
-    ]
+    one = "imo({0})=4, rhomvb({0})=1., iob({0})={0}, rsh({0})=.05, trnx({0})={1}, trny({0})={2},\n"
+    places = [one.format(m, m % 25 * 0.3, m // 25 * 0.3) for m in range(1, 501)]
     deck(free(500, xput="iclid=1, tapltd(1)=1., thpltd(1)=.1,", obs="".join(places)))
     code, _, err = flowgmo("run", "case.nml")
     assert (code, err) == (0, "")

@@ -18,7 +18,8 @@ def _covered(path: Path) -> bool:
 
 def _imports(path: Path) -> list[str]:
     tree = ast.parse(path.read_text())
-    return [n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and (n.module or "").startswith("flowgmo.")]
+    modules = [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    return [name for name in modules if name.startswith("flowgmo.")]
 
 
 def _file_of(module: str) -> Path:

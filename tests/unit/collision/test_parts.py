@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from flowgmo.bodies.motion import first_crossing
+from flowgmo.bodies.stops import first_crossing
 from flowgmo.collision.distance import box_distance
 from flowgmo.collision.impact_exact import ball_impact
 from flowgmo.collision.scene import FLAT
