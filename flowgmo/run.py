@@ -190,9 +190,9 @@ class Job:
         self._save()
         self.history.close()
         summary = self._summary(code, reason)
-        self.log.footer(summary)
-        self.log.close()
         write_run_json(self.folder / "run.json", summary)
+        self.log.footer(summary)  # last: the terminal may be gone
+        self.log.close()
 
     def abandon(self, error: OutputError) -> None:
         """Nothing more can be written: say why, and leave what was written, with the last good restart file."""
@@ -265,14 +265,17 @@ def _peak_memory() -> int:
 
 @contextmanager
 def stopping_on_signals(job: Job) -> Iterator[None]:
-    """Ctrl-C and a polite kill end the run after the step in progress; a second one ends it at once."""
+    """Ctrl-C, a polite kill and a closed terminal end the run after the step in progress; a second one at once."""
 
     def ask(number: int, frame: object) -> None:
         if job.stop_asked:
             os._exit(INTERRUPTED)
         job.stop_asked = True
 
-    old = {s: signal.signal(s, ask) for s in (signal.SIGINT, signal.SIGTERM)}
+    wanted = [signal.SIGINT, signal.SIGTERM]
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) == signal.SIG_DFL:  # nohup ignores it: so do we
+        wanted.append(signal.SIGHUP)
+    old = {s: signal.signal(s, ask) for s in wanted}
     try:
         yield
     finally:

@@ -68,5 +68,8 @@ def _palette(images: list[Image.Image]) -> Image.Image:
 
     some = np.concatenate([np.asarray(image).reshape(-1, 3) for image in images[:: max(1, len(images) // SAMPLES)]])
     shades = np.unique(some // COARSE, axis=0) * COARSE + COARSE // 2
-    shades = np.concatenate([shades, np.full((len(shades) // 20 + 1, 3), 255)]).astype(np.uint8)  # white stays white
-    return Image.fromarray(shades[None]).quantize(256, method=Image.Quantize.MEDIANCUT)
+    found = Image.fromarray(shades.astype(np.uint8)[None]).quantize(256, method=Image.Quantize.MEDIANCUT)
+    colours = np.array(found.getpalette()).reshape(-1, 3)
+    colours[colours.sum(axis=1).argmax()] = 255  # white stays white
+    found.putpalette(colours.ravel().tolist())
+    return found

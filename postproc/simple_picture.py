@@ -16,7 +16,7 @@ from postproc.scene import Scene, Surface
 
 SUN = np.array([-0.4, -0.5, 0.77])
 DOTS = 100  # per inch
-LETTERS = 1.6  # points for each inch of the picture's height
+LETTERS = 1.8  # points for each inch of the picture's height
 
 
 def draw_simply(results: Results, job: dict) -> None:
@@ -35,6 +35,8 @@ def draw_simply(results: Results, job: dict) -> None:
         axes.set(**{f"{name}lim": frame.bounds[:, k] for k, name in enumerate("xyz")})
         axes.set_box_aspect(np.ptp(frame.bounds, axis=0), zoom=0.98)
         axes.set_axis_off()
+        for artist in axes.collections:  # the axes are square, the picture is not
+            artist.set_clip_on(False)
         if job["label"]:
             figure.text(0.03, 0.94, clock(wanted["time"], scene.end, scene.time_unit), fontsize=LETTERS * height)
             for k, (name, colour) in enumerate(body_names(scene, colours)):

@@ -12,6 +12,8 @@ import numpy as np
 matplotlib.use("Agg")
 
 from matplotlib import pyplot as plt
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
 
 from postproc.errors import PostprocError
 from postproc.palette import COLOURS, FAINT, INK
@@ -21,8 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 EDGE = 0.012  # of a figure's width, beside its title
-LETTER = 0.66  # of the font size, mean width of a bold letter of DejaVu Sans, wide ones as many as narrow ones
 SMALL, HANDLE = 9.5, 0.42  # of a legend above a plot: font size; width of an entry beside its text [inches]
+GAP = 0.15  # inches between the title and the legend
 LINES = ("-", "--", ":", "-.")
 SAME, HALF = 0.005, 0.5  # curves closer than this part of the panel, at more than half of the rows, hide each other
 LEVEL = 1e-6  # of its value; a smaller change is not drawn
@@ -82,11 +84,21 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
+def text_width(text: str, size: float, bold: bool = False) -> float:
+    """Width of a line of text [inches]."""
+    font = FontProperties(family="DejaVu Sans", size=size, weight="bold" if bold else "normal")
+    return text_to_path.get_text_width_height_descent(text, font, False)[0] / 72
+
+
 def headline(figure: Figure, text: str, size: float) -> None:
     """The title of a figure, on as many lines as its width asks for, three at most."""
-    width = (1 - 2 * EDGE) * figure.get_figwidth() * 72  # points
-    letter = size * LETTER
-    lines = textwrap.wrap(text, max(10, int(width / letter)), max_lines=3, placeholder=" …")
+    room = (1 - 2 * EDGE) * figure.get_figwidth()
+    letters = max(1, len(text))
+    while True:
+        lines = textwrap.wrap(text, letters, max_lines=3, placeholder=" …") if letters > 4 else [text[:4]]
+        if letters <= 4 or max((text_width(line, size, True) for line in lines), default=0.0) <= room:
+            break
+        letters -= 1
     figure.suptitle(plain("\n".join(lines)), fontsize=size, fontweight="bold", x=EDGE, ha="left")
 
 
@@ -119,8 +131,8 @@ def legend_above(axes: Axes, width: float) -> None:
     handles, texts = axes.get_legend_handles_labels()
     if not texts:
         return
-    room = width - len(axes.get_title(loc="left")) * 11 * LETTER / 72
-    entries = [HANDLE + len(text) * SMALL * LETTER / 72 for text in texts]
+    room = width - text_width(axes.get_title(loc="left"), 11, True) - GAP
+    entries = [HANDLE + text_width(text, SMALL) for text in texts]
     axes.legend(
         handles,
         texts,

@@ -294,7 +294,7 @@ def test_a_full_disk(flowgmo, tmp_path, monkeypatch, what):
     assert readable(folder)[1] == 0.3
 
 
-@pytest.mark.parametrize("size", [200, 2000, 20_000, 200_000, 600_000, 640_000, 700_000])
+@pytest.mark.parametrize("size", [200, 20_000, 200_000, 640_000])
 def test_no_file_may_grow(tmp_path, size):
     """The system itself refuses to write (a limit on the size of files): exit 1, a reason, no traceback."""
     (tmp_path / "a.nml").write_text(GOOD)
