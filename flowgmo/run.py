@@ -29,6 +29,7 @@ from flowgmo.output import (
     write_run_json,
 )
 from flowgmo.output.errors import replacing
+from flowgmo.output.history import impacts_until
 from flowgmo.records import Rows
 from flowgmo.state import State, initial_state
 
@@ -74,8 +75,8 @@ def run(model: Model, folder: Path, restart: Path | None, command_line: str) -> 
         )
     job = Job(model, state, folder, resume_at=state.t if restart else None, command_line=command_line)
     try:
-        job.world = prepare(model)
         with stopping_on_signals(job):
+            job.world = prepare(model)
             try:
                 job.compute()
             except StepFailed as error:
@@ -100,6 +101,8 @@ class Job:
         self.per_body: dict[str, dict[str, float]] = {}
         self.limits = 0
         self.last_rows: Rows | None = None
+        if resume_at is not None:
+            self._count(impacts_until(folder, resume_at))
         self.log = RunLog(folder, resume_at=resume_at)
         self.history = History(folder, model, resume_at)
         self.snapshots = Snapshots(folder, model, resume_at)
@@ -170,6 +173,10 @@ class Job:
 
     def _note_impacts(self, impacts: np.ndarray) -> None:
         self.history.write_impacts(impacts)
+        self._count(impacts)
+
+    def _count(self, impacts: np.ndarray) -> None:
+        """Add impacts to the sums of the final table."""
         self.limits += int((impacts["b"] == 0).sum())
         sizes = np.linalg.norm(impacts["impulse"], axis=1)
         for side in ("a", "b"):

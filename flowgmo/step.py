@@ -81,6 +81,7 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
         booked = name if name in world.seconds else KERNELS
         world.seconds.setdefault(name, 0.0)
         world.seconds[booked] = world.seconds.get(booked, 0.0) + time.perf_counter() - began
+    _check_finite(world, room, t1)
     room.store(state)
     state.advance_clock(t1, landing)
     impacts = np.concatenate(room.impacts) if room.impacts else no_impacts()
@@ -89,6 +90,18 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
     state.impacts += len(impacts)
     rows = make_rows(world, asked, room.rows, room.contact_force, room.rows_books) if asked.size else None
     return Report(rows=rows, impacts=impacts)
+
+
+def _check_finite(world: World, room: Room, t1: float) -> None:
+    """No infinity or nan may enter the state."""
+    finite = np.isfinite(room.books).all()
+    for name in ("p", "q", "v", "w"):
+        good = np.isfinite(room.motion[name]).all(axis=1)
+        if not good.all():
+            body = world.model.bodies[int(np.argmin(good))].name
+            raise StepFailed(f"the motion of body {body} leaves the range of numbers before t = {t1:.6g}")
+    if not finite:
+        raise StepFailed(f"the energy of the bodies leaves the range of numbers before t = {t1:.6g}")
 
 
 def _move_alone(world: World, state: State, t1: float, room: Room) -> None:

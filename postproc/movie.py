@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from PIL import Image
 
 LAST = 1000  # ms; the end is shown longer before the movie begins again
+WHITE = 255  # number of this colour in the palette
 SAMPLES, COARSE = 12, 4  # frames that the colours are taken from; steps between two shades
 
 
@@ -50,7 +51,7 @@ def _join(files: list[Path], path: Path, rate: float) -> None:
 
     images = [Image.open(file).convert("RGB") for file in files]
     palette = _palette(images)
-    images = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    images = [_painted(image, palette) for image in images]
     shown = [round(1000 / rate)] * (len(images) - 1) + [LAST]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -68,8 +69,20 @@ def _palette(images: list[Image.Image]) -> Image.Image:
 
     some = np.concatenate([np.asarray(image).reshape(-1, 3) for image in images[:: max(1, len(images) // SAMPLES)]])
     shades = np.unique(some // COARSE, axis=0) * COARSE + COARSE // 2
-    found = Image.fromarray(shades.astype(np.uint8)[None]).quantize(256, method=Image.Quantize.MEDIANCUT)
-    colours = np.array(found.getpalette()).reshape(-1, 3)
-    colours[colours.sum(axis=1).argmax()] = 255  # white stays white
+    found = Image.fromarray(shades.astype(np.uint8)[None]).quantize(WHITE, method=Image.Quantize.MEDIANCUT)
+    colours = np.full((WHITE + 1, 3), 255)
+    some = np.array(found.getpalette()).reshape(-1, 3)[:WHITE]
+    colours[: len(some)] = some
     found.putpalette(colours.ravel().tolist())
     return found
+
+
+def _painted(image: Image.Image, palette: Image.Image) -> Image.Image:
+    """A frame in the colours of the palette. Pillow finds the nearest ones roughly; white has to stay white."""
+    from PIL import Image
+
+    indices = np.array(image.quantize(palette=palette, dither=Image.Dither.NONE))
+    indices[(np.asarray(image) == 255).all(axis=2)] = WHITE
+    painted = Image.fromarray(indices)
+    painted.putpalette(palette.getpalette())
+    return painted

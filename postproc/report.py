@@ -102,7 +102,7 @@ def _needs_legend(shown: list[Panel], k: int, marks: int) -> bool:
 
 def _draw_panel(axes: plt.Axes, panel: Panel) -> None:
     for line, look in zip(panel.lines, style.strokes([line.y for line in panel.lines]), strict=True):
-        axes.plot(line.t, line.y, color=line.colour, label=_legend_text(line.text), **look)
+        axes.plot(line.t, line.y, color=line.colour, label=style.plain(style.short(line.text, LONGEST)), **look)
     axes.set_title(panel.title)
     axes.set_ylabel(style.label(panel.quantity, panel.unit))
     if panel.quantity == "energy":  # zero is part of the picture
@@ -112,10 +112,6 @@ def _draw_panel(axes: plt.Axes, panel: Panel) -> None:
         style.fit_values(axes)
     if panel.quantity == "angle":
         axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))  # 30, 45, 60, 90 degrees
-
-
-def _legend_text(name: str) -> str:
-    return style.plain(name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…")
 
 
 def _mark_impacts(axes: plt.Axes, results: Results, text: str | None) -> None:

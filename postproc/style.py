@@ -84,6 +84,11 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
+def short(name: str, most: int) -> str:
+    """A name of at most so many letters; the beginning and the end stay, for names often differ at the end only."""
+    return name if len(name) <= most else f"{name[: most // 2]}…{name[len(name) - (most - 1 - most // 2) :]}"
+
+
 def text_width(text: str, size: float, bold: bool = False) -> float:
     """Width of a line of text [inches]."""
     font = FontProperties(family="DejaVu Sans", size=size, weight="bold" if bold else "normal")

@@ -11,7 +11,7 @@ from postproc.palette import FAINT, INK
 from postproc.results import Results
 
 MOST_ROWS = 10
-LONGEST = 14  # letters of a name
+LONGEST = 10  # letters of a name
 
 
 def draw_table(axes: plt.Axes, results: Results) -> None:
@@ -27,7 +27,7 @@ def draw_table(axes: plt.Axes, results: Results) -> None:
         cellLoc="right",
         colLoc="right",
         edges="horizontal",
-        colWidths=[0.1, 0.3, 0.3, 0.3] if body is not None else [0.2, 0.23, 0.23, 0.34],
+        colWidths=[0.1, 0.3, 0.3, 0.3] if body is not None else [0.2, 0.24, 0.24, 0.32],
     )
     drawn.auto_set_font_size(False)
     drawn.set_fontsize(10.5)
@@ -59,7 +59,9 @@ def impact_rows(results: Results) -> tuple[str, list[str], list[list[str]]]:
     impacts, names = results.impacts, results.parties
     order = np.argsort(impacts["time"], kind="stable")[:MOST_ROWS]
     impulse = np.linalg.norm(impacts["impulse"], axis=1)
-    parties = [[_short(names.get(int(number), str(number))) for number in impacts[side][order]] for side in "ab"]
+    parties = [
+        [style.short(names.get(int(number), str(number)), LONGEST) for number in impacts[side][order]] for side in "ab"
+    ]
     columns = [aligned(impacts["time"][order], 5), *parties, aligned(impulse[order], 4)]
     count = len(impulse)
     unit = results.file["collisions/impulse"].attrs.get("unit", "")
@@ -77,7 +79,3 @@ def aligned(values: np.ndarray, digits: int) -> list[str]:
     if not 0 <= decimals <= digits + 3:
         return [f"{value:.{digits}g}" for value in values]
     return [f"{value:.{decimals}f}" for value in values]
-
-
-def _short(name: str) -> str:
-    return name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"

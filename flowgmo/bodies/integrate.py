@@ -19,7 +19,7 @@ _E3 = np.ascontiguousarray(DOP853.E3)
 _E5 = np.ascontiguousarray(DOP853.E5)
 STAGES = len(_C)
 TOLERANCE = 1e-12  # local error relative to the change in a step: 1e-9 and better over thousands of steps
-MAX_SUBSTEPS = 1_000_000  # a step that needs more is given up with an error, not a hang
+MAX_SUBSTEPS = 200_000  # a step that needs more is given up with an error, not a hang
 
 
 @inner

@@ -64,7 +64,7 @@ class LawBook:
     def add_load(self, load: PointLoad, origin: np.ndarray) -> None:
         self._loads.append(([self.add(f) for f in load.force], load.point - origin, load.in_body_axes))
 
-    def pack(self, hinged: bool, forced: bool) -> Laws:
+    def pack(self, hinged: bool = True, forced: bool = True) -> Laws:
         some = np.zeros(0)
         return Laws(
             hinged=some if hinged else None,

@@ -3,7 +3,7 @@
     F = m a - m g - F_control        T = I dw/dt + w × I w - T_control    about B
 
 with the acceleration of B from that of the driven point, a = a_ref + α × r + ω × (ω × r). Components that are solved
-for need no residual and have none. Left-hand values: at a kink of a table, the motion that led there.
+for need no residual and have none. At a kink of a table: the motion that led there; at t = 0 the one that begins.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def _partly_kept(body, laws, forced, t, q, w_B):
     """Of a body of which some components are solved for (it is then one of the forced)."""
     if forced is None:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    _, _, held, kept, _, _ = accelerations(body, laws, t, q, w_B, body.coupled, False)
+    _, _, held, kept, _, _ = accelerations(body, laws, t, q, w_B, body.coupled, t <= 0.0)
     return held, rotate(q, kept)
 
 
@@ -64,7 +64,7 @@ def _moment_about_B(body):
 def _driven_acceleration(body, row, laws, t, q, w):
     """dw/dt (body axes), acceleration of B (space axes) of a prescribed body; a body that waits at a stop has none."""
     if body.hinge == 1:
-        spin = rate(laws, body.drive[3], t, False)
+        spin = rate(laws, body.drive[3], t, t <= 0.0)
         if body.stopped and w[0] == 0.0 and w[1] == 0.0 and w[2] == 0.0:
             spin = 0.0
         alpha = scale(spin, triple(body.axis))
@@ -72,9 +72,9 @@ def _driven_acceleration(body, row, laws, t, q, w):
         a = (0.0, 0.0, 0.0)
     else:
         alpha_B = (
-            rate(laws, body.drive[3], t, False),
-            rate(laws, body.drive[4], t, False),
-            rate(laws, body.drive[5], t, False),
+            rate(laws, body.drive[3], t, t <= 0.0),
+            rate(laws, body.drive[4], t, t <= 0.0),
+            rate(laws, body.drive[5], t, t <= 0.0),
         )
         alpha = rotate(q, alpha_B)
         a = (_push_of(body, row, laws, 0, t), _push_of(body, row, laws, 1, t), _push_of(body, row, laws, 2, t))
@@ -85,7 +85,7 @@ def _driven_acceleration(body, row, laws, t, q, w):
 @inner
 def _push_of(body, row, laws, k, t):
     limited = np.isfinite(body.lo[k]) or np.isfinite(body.hi[k])
-    return 0.0 if body.hinge == 2 or (limited and row.v[k] == 0.0) else rate(laws, body.drive[k], t, False)
+    return 0.0 if body.hinge == 2 or (limited and row.v[k] == 0.0) else rate(laws, body.drive[k], t, t <= 0.0)
 
 
 @kernel

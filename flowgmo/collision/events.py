@@ -18,6 +18,7 @@ from flowgmo.collision.resolve import (
     DONE,
     FAILED,
     RESTS_ON_ROUND,
+    TOO_MANY,
     add_support,
     end_series,
     hit_ball,
@@ -32,6 +33,7 @@ from flowgmo.vectors import along, dot, put, triple
 # what an event is; NEAR: look again from here
 NOTHING, WITH_BALL, WITH_FLAT, END_OF_LEG, NEAR_BALL, NEAR_FLAT = 0, 1, 2, 3, 4, 5
 COLLAPSED = 200  # events of one ball in a row at one time after which its impacts are plastic (inelastic collapse)
+MOST_EVENTS = 5_000_000  # in one step: a record takes 136 bytes, and an interrupt waits for the step to end
 STALLED = 2000  # events of one ball in a row at one time: it comes to rest where no closed form exists
 
 #: The next event of a ball: when, what, and with whom (ball or flat).
@@ -137,6 +139,7 @@ def run_events(
     hits = np.zeros((0, 7))
     now = t0
     count[0] = 0
+    met = 0
     for i in range(m):
         L[i].flat = -1
         L[i].bounces = 0
@@ -168,6 +171,7 @@ def run_events(
             for i in range(m):
                 events[i].stalls = 0
         events[first].stalls += 1
+        met += 1
         what, whom = events[first].what, events[first].whom
         with_ball = what == WITH_BALL or what == NEAR_BALL
         partner = -1
@@ -175,6 +179,8 @@ def run_events(
             partner = sc.balls[whom].body
         elif what == WITH_FLAT or what == NEAR_FLAT:
             partner = sc.flats[whom].party
+        if met > MOST_EVENTS:
+            return records, TOO_MANY, now, sc.balls[first].body, partner
         # impacts without end in no time: what is left of the speeds is below rounding, and is taken away
         collapsed = events[first].stalls > COLLAPSED
         if events[first].stalls > STALLED:

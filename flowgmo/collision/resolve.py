@@ -14,7 +14,7 @@ from flowgmo.records import REST
 from flowgmo.vectors import add, along, cross, dot, norm, put, quad, rotate, scale, sub, triple
 
 # how a step can end
-DONE, SEVERAL_ROUGH, FAILED, RESTS_ON_ROUND, LOCKED = 0, 1, 2, 3, 4
+DONE, SEVERAL_ROUGH, FAILED, RESTS_ON_ROUND, LOCKED, TOO_MANY = 0, 1, 2, 3, 4, 5
 # columns of a record
 TIME, PARTY_A, PARTY_B, POINT, NORMAL, IMPULSE, REST_E, REST_MU, REGIME, LOSS, COUNT, WIDTH = (
     0, 1, 2, 3, 6, 9, 12, 13, 14, 15, 16, 17,

@@ -6,7 +6,7 @@ import numpy as np
 
 from flowgmo.bodies.laws import Laws
 from flowgmo.collision import resolve
-from flowgmo.collision.events import EVENT, run_events
+from flowgmo.collision.events import EVENT, MOST_EVENTS, run_events
 from flowgmo.collision.legs import LEG
 from flowgmo.collision.scene import build_scene
 from flowgmo.errors import StepFailed
@@ -86,6 +86,11 @@ def _reason(model: Model, status: int, t: float, a: int, b: int) -> str:
         return (
             f"{first} comes to rest on {second} {when}: resting contact is computed for a ball on a face of a flat "
             "solid or a domain wall, not yet on other bodies, edges or moving bodies"
+        )
+    if status == resolve.TOO_MANY:
+        return (
+            f"more than {MOST_EVENTS:,} impacts in one step, the last of them between {first} and {second} {when}: "
+            "write a smaller delt, or smaller velocities"
         )
     if status == resolve.LOCKED:
         return f"{first} and {second} press each other {when} and neither can give way: no impulse parts them"

@@ -140,11 +140,15 @@ def cells(deck: Values, row: Row, _index: tuple[int, ...]) -> int:
     if counts := deck.indices(f"N{letter}CELL"):
         return sum(deck.at(f"N{letter}CELL", *index) for index in counts)
     size = deck["SIZE"] if deck["IF_SIZE"] == 1 else _size_of_total(deck)
-    if sizes := deck.indices(f"SIZE{letter}"):
-        size = sum(deck.at(f"SIZE{letter}", *index) for index in sizes) / len(sizes)
-    parts = _extent(deck, letter) / size if size > 0 else 1.0
-    least = max((index[0] for index in deck.indices(f"P{letter}")), default=2) - 1
-    return max(1, least, round(min(parts, 2**31 - 1)))
+    planes = max((index[0] for index in deck.indices(f"P{letter}")), default=2)
+    total = 0
+    for n in range(1, max(planes, 2)):
+        ends = [deck.at(f"SIZE{letter}", k) for k in (n, n + 1) if deck.given(f"SIZE{letter}", k)]
+        wanted = sum(ends) / len(ends) if ends else size
+        start, end = deck.at(f"P{letter}", n), deck.at(f"P{letter}", n + 1)
+        parts = (end - start) / wanted if wanted and end is not None and end > start else 1.0
+        total += max(1, round(min(parts, 2**31 - 1)))
+    return total
 
 
 def _extent(deck: Values, letter: str) -> float:

@@ -212,6 +212,22 @@ class History:
             self._tables[name] = item
 
 
+def impacts_until(folder: Path, t: float) -> np.ndarray:
+    """The impacts (dtype IMPACT) that a history holds up to time t; none where there is no history to go on with."""
+    path = Path(folder) / "history.h5"
+    out = np.zeros(0, IMPACT)
+    try:
+        with h5py.File(path) as file:
+            group = file.get("collisions")
+            if group is not None:
+                out = np.zeros(len(group["time"]), IMPACT)
+                for name in IMPACT.names:
+                    out[name] = group[name][()]
+    except (OSError, KeyError, ValueError):
+        return np.zeros(0, IMPACT)  # History says what is wrong with it
+    return out[out["time"] <= t]
+
+
 def _append(table: h5py.Dataset, values: np.ndarray) -> None:
     """Add rows at the end, past h5py's high-level indexing, which costs more than the writing of a few rows."""
     start, count = table.shape[0], len(values)

@@ -52,6 +52,7 @@ class RunLog:
         self._start = clock()
         self._resumed = resume_at
         self._bar: Progress | None = None
+        self._terminal_gone = False
         self._next_bar = self._start + BAR_AFTER
         self._last_line = -np.inf
         self._line_times = np.zeros(0)
@@ -63,8 +64,18 @@ class RunLog:
 
     def print(self, *what: RenderableType) -> None:
         """Print text (rich markup) or a table, on the terminal and in the file."""
-        self.console.print(*what)
+        self._on_terminal(self.console.print, *what)
         self._print_to_file(*what)
+
+    def _on_terminal(self, action: Callable, *what: object) -> None:
+        """Do something on the terminal; a run goes on when its terminal is gone (closed window, lost connection)."""
+        if self._terminal_gone:
+            return
+        try:
+            action(*what)
+        except OSError:
+            self._terminal_gone = True
+            self._bar = None
 
     def _print_to_file(self, *what: RenderableType) -> None:
         with writing(self.path):
@@ -91,14 +102,14 @@ class RunLog:
         now = self._clock()
         if now >= self._next_bar and self.console.is_terminal:
             self._next_bar = now + BAR_EVERY
-            self._draw_bar(t, step, dt, impacts)
+            self._on_terminal(self._draw_bar, t, step, dt, impacts)
         if now - self._last_line < LINE_EVERY or not self._line_due(t):
             return
         self._last_line = now
         line = f"t {t:<12.6g} step {step:<9} dt {dt:<11.4g} impacts {impacts:<8} wall {_wall(now - self._start)}"
         self._print_to_file(Text(line))
         if not self.console.is_terminal:
-            self.console.print(Text(line))
+            self._on_terminal(self.console.print, Text(line))
 
     def _line_due(self, t: float) -> bool:
         """Whether a log time has been passed since the last line; those passed are used up."""
@@ -132,7 +143,7 @@ class RunLog:
 
     def _end_bar(self) -> None:
         if self._bar is not None:
-            self._bar.stop()
+            self._on_terminal(self._bar.stop)
             self._bar = None
 
     def close(self) -> None:

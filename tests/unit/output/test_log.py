@@ -108,3 +108,25 @@ def test_a_log_that_cannot_be_opened(tmp_path):
     (tmp_path / "run.log").mkdir()
     with pytest.raises(OutputError, match=r"run\.log"):
         RunLog(tmp_path)
+
+
+class GoneTerminal(io.StringIO):
+    """A terminal whose window has been closed: every write fails like the system call does."""
+
+    def write(self, text):
+        raise OSError(5, "Input/output error")
+
+    def isatty(self):
+        return True
+
+
+def test_a_run_outlives_its_terminal(scenes, tmp_path):
+    """Fails if a closed window ends the run: everything still goes to run.log, the bar included."""
+    wall = Wall()
+    log = run(scenes, tmp_path, Console(file=GoneTerminal(), force_terminal=True), wall)
+    for k in range(40):
+        wall.now = 0.5 * k
+        log.progress(0.05 * k, k, 1e-3, k // 2)
+    log.footer(SUMMARY)
+    log.close()
+    assert "done" in (tmp_path / "run.log").read_text()

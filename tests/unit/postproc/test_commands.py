@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from matplotlib.image import imread
+from PIL import Image
 
 from postproc.cli import main
 
@@ -98,6 +99,18 @@ def test_report_without_snapshots_still_has_curves(scenes, tmp_path):
     result = call("report", tmp_path)
     assert model and result.exit_code == 0 and "notice: no pictures" in result.output
     assert drawn(tmp_path / "report.png")
+
+
+def test_a_movie_keeps_white_and_the_colour_of_a_small_ball(anvil, tmp_path):
+    """Blue on white in every frame, one palette for all, and the end is shown longer."""
+    assert call("movie", anvil, "--frames", 3, "--size", "160,120", "-o", tmp_path / "m.gif").exit_code == 0
+    movie = Image.open(tmp_path / "m.gif")
+    for k in range(3):
+        movie.seek(k)
+        pixels = np.asarray(movie.convert("RGB")).reshape(-1, 3).astype(int)
+        assert (pixels == 255).all(axis=1).mean() > 0.4
+        assert (pixels[:, 2] - pixels[:, 0] > 80).any()
+        assert movie.info["duration"] == (1000 if k == 2 else 50)
 
 
 def test_movie(anvil, tmp_path):

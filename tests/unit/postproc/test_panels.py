@@ -215,3 +215,7 @@ def test_columns_of_a_legend():
     assert style.columns_that_fit([1.0, 1.0, 1.0], 3.0) == 3
     assert style.columns_that_fit([1.0, 1.0, 1.0], 2.5) == 2
     assert style.columns_that_fit([5.0, 1.0], 2.5) == 1
+
+
+def test_short_names_keep_their_ends():
+    assert style.short("a_long_ball_1", 10) == "a_lon…ll_1" and style.short("ball", 10) == "ball"
