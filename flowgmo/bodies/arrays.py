@@ -84,7 +84,10 @@ def pack(bodies: tuple[Body, ...], gravity: np.ndarray) -> tuple[np.ndarray, Law
     motion = arrays["motion"]
     if not np.any(motion > BALLISTIC):
         return arrays, None
-    return arrays, book.pack(hinged=bool(np.any(motion == HINGED)), forced=bool(np.any(motion == FORCED)))
+    present = {"ballistic": motion == BALLISTIC, "hinged": motion == HINGED, "forced": motion == FORCED}
+    return arrays, book.pack(
+        **{name: bool(np.any(which)) for name, which in present.items()}, stops=bool(np.any(arrays["stopped"]))
+    )
 
 
 def _row(body: Body, book: LawBook) -> dict[str, object]:

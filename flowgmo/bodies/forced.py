@@ -33,8 +33,22 @@ NO_STOP, FAILED_LEG, LET_GO = -1, -2, -3
 
 
 @inner
-def fly_integrated(body, row, laws, books, t0, t1, hits):
-    """Hinged and forced bodies. With stops the interval is cut in slices, and a crossing is located by bisection."""
+def fly_integrated(body, row, laws, stops, books, t0, t1, hits):
+    """Hinged and forced bodies. With stops the interval is cut in slices, and a crossing is located by bisection.
+
+    stops: None where no body of the scene has any, and then there is no code for them.
+    """
+    if stops is None:
+        y = np.empty(SIZE)
+        if not _attempt(body, row, laws, t0, t1, y):
+            return FAILED
+        _finish(body, row, laws, books, y, t0, t1)
+        return 0
+    return _fly_to_stops(body, row, laws, books, t0, t1, hits)
+
+
+@inner
+def _fly_to_stops(body, row, laws, books, t0, t1, hits):
     n = np.int64(0)
     t = t0
     slices = STOP_SLICES if body.stopped else 1
@@ -152,15 +166,15 @@ def _leg(body, row, laws, books, t0, t1):
                     lo = mid
             end = hi
             _attempt(body, row, laws, t0, end, y)
-    books[FROM_LOADS] += y[LOADS]
-    books[FROM_PRESCRIBED] += y[DRIVE]
-    _store(body, row, laws, y, t0, end)
+    _finish(body, row, laws, books, y, t0, end)
     return end, k
 
 
 @inner
-def _store(body, row, laws, y, t0, t1):
-    """The row at t1 from the integrated y: coupled components from it, prescribed ones from their exact integrals."""
+def _finish(body, row, laws, books, y, t0, t1):
+    """Books and row at t1 from the integrated y: coupled components from it, prescribed ones from exact integrals."""
+    books[FROM_LOADS] += y[LOADS]
+    books[FROM_PRESCRIBED] += y[DRIVE]
     if body.hinge == 1:
         row.angle = min(max(row.angle + y[X], body.lo[3]), body.hi[3])
         place_hinged(body, row, row.angle, y[V])

@@ -18,15 +18,17 @@ TABLE, SINUSOID = 0, 1
 class Laws(NamedTuple):
     """rows (k,) of LAW; entries (e, 2) of all tables: time, value; loads (j,) of LOAD.
 
-    hinged, forced: None unless the scene has bodies on a fixed axis, or bodies whose equations of motion are
-    integrated; a function that gets None for one compiles no code for it.
+    ballistic, hinged, forced, stops: None unless the scene has free bodies, bodies on a fixed axis, bodies whose
+    equations of motion are integrated, stops; a function that gets None for one compiles no code for it.
     """
 
     rows: np.ndarray
     entries: np.ndarray
     loads: np.ndarray
+    ballistic: np.ndarray | None
     hinged: np.ndarray | None
     forced: np.ndarray | None
+    stops: np.ndarray | None
 
 
 #: A law: kind, first and last entry of a table, or a wave's amplitude, frequency, phase.
@@ -64,11 +66,12 @@ class LawBook:
     def add_load(self, load: PointLoad, origin: np.ndarray) -> None:
         self._loads.append(([self.add(f) for f in load.force], load.point - origin, load.in_body_axes))
 
-    def pack(self, hinged: bool = True, forced: bool = True) -> Laws:
+    def pack(self, **present: bool) -> Laws:
+        """present: for each of the optional parts of Laws whether the scene has it (default: it has)."""
         some = np.zeros(0)
+        parts = ("ballistic", "hinged", "forced", "stops")
         return Laws(
-            hinged=some if hinged else None,
-            forced=some if forced else None,
+            **{name: some if present.get(name, True) else None for name in parts},
             rows=np.array(self._rows, LAW),
             entries=np.array(self._entries, dtype=float).reshape(-1, 2),
             loads=np.array(self._loads, LOAD),

@@ -31,27 +31,33 @@ def fly(body, row, laws, books, t0, t1, hits):
     motion = body.motion
     if motion == STILL or t1 <= t0:
         return 0
-    if motion == BALLISTIC:
-        n = fall_to_stops(body, row, books, t0, t1, hits) if body.stopped else _parabola(body, row, t1 - t0)
-        q, w = spin_freely(quad(row.q), triple(row.w), body.moments, body.axes, t1 - t0)
-        put4(row.q, q)
-        put(row.w, w)
-        return n
-    if laws is not None:
-        return _by_laws(body, row, laws, laws.hinged, laws.forced, books, t0, t1, hits)
-    return 0
+    if laws is None:
+        return _ballistic(body, row, books, t0, t1, hits)
+    return _by_laws(body, row, laws, laws.ballistic, laws.hinged, laws.forced, laws.stops, books, t0, t1, hits)
 
 
 @inner
-def _by_laws(body, row, laws, hinged, forced, books, t0, t1, hits):
+def _ballistic(body, row, books, t0, t1, hits):
+    n = fall_to_stops(body, row, books, t0, t1, hits) if body.stopped else _parabola(body, row, t1 - t0)
+    q, w = spin_freely(quad(row.q), triple(row.w), body.moments, body.axes, t1 - t0)
+    put4(row.q, q)
+    put(row.w, w)
+    return n
+
+
+@inner
+def _by_laws(body, row, laws, ballistic, hinged, forced, stops, books, t0, t1, hits):
+    if ballistic is not None:
+        if body.motion == BALLISTIC:
+            return _ballistic(body, row, books, t0, t1, hits)
     if body.motion == DRIVEN:
         drive(body, row, laws, t0, t1)
         return 0
     if hinged is not None:
         if body.motion == HINGED:
-            return fly_integrated(body, row, laws, books, t0, t1, hits)
+            return fly_integrated(body, row, laws, stops, books, t0, t1, hits)
     if forced is not None:
-        return fly_integrated(body, row, laws, books, t0, t1, hits)
+        return fly_integrated(body, row, laws, stops, books, t0, t1, hits)
     return 0
 
 

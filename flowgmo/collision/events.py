@@ -33,7 +33,7 @@ from flowgmo.vectors import along, dot, put, triple
 # what an event is; NEAR: look again from here
 NOTHING, WITH_BALL, WITH_FLAT, END_OF_LEG, NEAR_BALL, NEAR_FLAT = 0, 1, 2, 3, 4, 5
 COLLAPSED = 200  # events of one ball in a row at one time after which its impacts are plastic (inelastic collapse)
-MOST_EVENTS = 5_000_000  # in one step: a record takes 136 bytes, and an interrupt waits for the step to end
+MOST_EVENTS = 1_000_000  # in one step: a record takes 136 bytes, and an interrupt waits for the step to end
 STALLED = 2000  # events of one ball in a row at one time: it comes to rest where no closed form exists
 
 #: The next event of a ball: when, what, and with whom (ball or flat).

@@ -206,3 +206,15 @@ def test_three_bodies_in_ever_more_impacts_in_a_finite_time():
         assert "obs1" in str(error)
     assert s.kinetic() <= s.world.energy_at_start
     assert abs(s.remainder()) < 1e-10 * s.world.energy_at_start
+
+
+def test_a_step_has_an_end_whatever_the_speed():
+    """1e12 m/s in a box 2 m wide: 5e11 impacts in one step. Fails (hangs, and eats memory) without the bound."""
+    text = deck(ball((0, 0, 0), v=(1e12, 0, 0)), lo=(-1, -1, -1), hi=(1, 1, 1), sides=(2,) * 6, e=1.0)
+    assert "smaller delt" in reason_of(text, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("g", [(0, 0, -1e300), (0, 0, -1e200)])
+def test_a_motion_beyond_numbers_is_named(g):
+    """An infinity or nan must not get into the state, the history, or a restart file."""
+    assert "range of numbers" in reason_of(deck(ball((0, 0, 0)), g=g, collide=False), 1e60, 1e60)
