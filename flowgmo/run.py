@@ -120,7 +120,7 @@ class Job:
 
         model, state = self.model, self.state
         if not _kernels_cached():
-            self.log.print("first start: compiling the kernels of this scene, 5 to 25 s; later starts load them\n")
+            self.log.print("first start: compiling the kernels of this scene, 5 to 30 s; later starts load them\n")
         if self.resume_at is None:
             self._write_rows(rows_of_state(self.world, state))
             self.snapshots.write(state)
