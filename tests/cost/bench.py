@@ -11,12 +11,14 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "helpers"))
 
 
-def flying(steps):
-    """200 free spheres that cannot collide; seconds per step."""
-    from flowgmo_scenes import Scene, ball, deck
+def flying(steps, collide):
+    """200 free spheres, 10 diameters apart; seconds per step. collide: every step looks for impacts, and finds few."""
+    from flowgmo_scenes import WALLS, Scene, ball, deck
 
     rng = np.random.default_rng(0)
-    s = Scene(deck(*[ball(rng.uniform(-9, 9, 3), 0.1, rng.normal(size=3)) for _ in range(200)], collide=False))
+    places = [2.0 * np.array([k // 36, k // 6 % 6, k % 6]) - 5.0 for k in range(200)]
+    balls = [ball(x, 0.1, rng.normal(size=3)) for x in places]
+    s = Scene(deck(*balls, lo=(-9,) * 3, hi=(9,) * 3, sides=WALLS, collide=collide))
     s.to(1e-3)
     began = time.perf_counter()
     s.to(1.0, 1.0 / steps)
@@ -57,8 +59,10 @@ def start_up(command):
 
 if __name__ == "__main__":
     steps = 10_000
-    each = flying(steps)
-    print(f"200 free spheres, {steps} steps: {each * steps:.2f} s, {each * 1e6:.0f} µs a step")
+    for collide in (False, True):
+        each = flying(steps, collide)
+        what = "collisions on" if collide else "no collisions"
+        print(f"200 free spheres, {what}, {steps} steps: {each * steps:.2f} s, {each * 1e6:.0f} µs a step")
     for n in (10, 50, 200):
         cost, count = colliding(n, 3.0)
         print(f"{n} balls in a box: {cost * 1e9:.0f} ns an impact ({count} impacts)")
