@@ -112,7 +112,7 @@ def _bring(i, sc, A, laws, M, L, books, now, at_its_end, records, count, hits):
     ball = sc.balls[i]
     leg = L[i]
     row = M[ball.body]
-    ok = run_leg(ball, A[ball.body], row, leg, laws, books, now, hits)
+    ok = run_leg(ball, A[ball.body], row, leg, laws, sc.rough, books, now, hits)
     leg.t = now
     if leg.mode == SERIES:
         if at_its_end:
@@ -235,5 +235,5 @@ def _fill_row(r, sc, A, laws, M, L, books, t, rows, rows_force, rows_books, hits
     for i in range(sc.balls.size):
         ball = sc.balls[i]
         copy_row(rows[r, ball.body], M[ball.body])
-        run_leg(ball, A[ball.body], rows[r, ball.body], L[i], laws, rows_books[r], t, hits)
+        run_leg(ball, A[ball.body], rows[r, ball.body], L[i], laws, sc.rough, rows_books[r], t, hits)
         put(rows_force[r, ball.body], L[i].force)

@@ -25,9 +25,12 @@ from flowgmo.vectors import (
     put4,
     quad,
     rotate,
+    scale,
     sub,
     triple,
+    turned,
     turned_linearly,
+    without,
 )
 
 AT_REST, FLIGHT, SERIES, GENERAL = 0, 1, 2, 3
@@ -111,16 +114,7 @@ def start_leg(i, sc, A, M, L, now, end):
             n = triple(normals[k])
             if pressing == 1:
                 mu = sc.pairs[ball.body, sc.flats[row.support[k]].party].mu
-                acc, alp, force, lasts, slides, rolls = plane_leg(
-                    triple(row.v), triple(row.w), n, triple(body.gravity), mu, ball.radius, body.mass,
-                    1.0 / ball.inverse_inertia, end - now,
-                )  # fmt: skip
-                put(leg.acc, acc)
-                put(leg.alp, alp)
-                put(leg.force, force)
-                leg.until = now + lasts
-                leg.slides = slides
-                leg.why = ROLLS if rolls else GOES_ON
+                _stand(sc.rough, ball, body, row, leg, n, mu, now, end)
             else:
                 put(leg.acc, along(triple(leg.acc), press[k], n))
                 put(leg.force, along(triple(leg.force), body.mass * press[k], n))
@@ -131,6 +125,25 @@ def start_leg(i, sc, A, M, L, now, end):
                 leg.until = out
                 leg.why = LEAVES
     return OK
+
+
+@inner
+def _stand(rough, ball, body, row, leg, n, mu, now, end):
+    """The leg of a ball pressed on one flat with normal n."""
+    g = triple(body.gravity)
+    if rough is not None:
+        acc, alp, force, lasts, slides, rolls = plane_leg(
+            triple(row.v), triple(row.w), n, g, mu, ball.radius, body.mass, 1.0 / ball.inverse_inertia, end - now
+        )
+        put(leg.acc, acc)
+        put(leg.alp, alp)
+        put(leg.force, force)
+        leg.until = now + lasts
+        leg.slides = slides
+        leg.why = ROLLS if rolls else GOES_ON
+        return
+    put(leg.acc, without(g, n))
+    put(leg.force, scale(-body.mass * dot(g, n), n))
 
 
 @inner
@@ -191,7 +204,7 @@ def _time_on_face(row, leg, flat, n):
 
 
 @inner
-def run_leg(ball, body, row, leg, laws, books, t, hits):
+def run_leg(ball, body, row, leg, laws, rough, books, t, hits):
     """Bring a ball's row from the start of its leg to time t, and book what the leg lost. False: integration failed.
 
     The leg itself is not changed, but for what its bounces add up to.
@@ -201,15 +214,7 @@ def run_leg(ball, body, row, leg, laws, books, t, hits):
     if dt <= 0.0 or mode == AT_REST:
         return True
     if mode == FLIGHT:
-        v, w, acc, alp = triple(row.v), triple(row.w), triple(leg.acc), triple(leg.alp)
-        if leg.slides:
-            books[IN_FRICTION] += friction_loss(
-                v, w, triple(leg.ground), acc, alp, triple(leg.force), ball.radius, dt
-            )  # fmt: skip
-        put(row.p, along(along(triple(row.p), dt, v), 0.5 * dt * dt, acc))
-        put4(row.q, turned_linearly(quad(row.q), w, alp, dt))
-        put(row.v, along(v, dt, acc))
-        put(row.w, along(w, dt, alp))
+        _run_evenly(rough, ball, row, leg, books, dt)
         return True
     if mode == SERIES:
         p, q, v, w, impulse, loss, bounces = series_state(
@@ -231,6 +236,25 @@ def run_leg(ball, body, row, leg, laws, books, t, hits):
 
 
 @inner
+def _run_evenly(rough, ball, row, leg, books, dt):
+    """dt of constant acceleration; on a rough flat also of constant angular acceleration, with what sliding costs."""
+    v, w, acc = triple(row.v), triple(row.w), triple(leg.acc)
+    q = quad(row.q)
+    put(row.p, along(along(triple(row.p), dt, v), 0.5 * dt * dt, acc))
+    put(row.v, along(v, dt, acc))
+    if rough is not None:
+        alp = triple(leg.alp)
+        if leg.slides:
+            books[IN_FRICTION] += friction_loss(
+                v, w, triple(leg.ground), acc, alp, triple(leg.force), ball.radius, dt
+            )  # fmt: skip
+        put4(row.q, turned_linearly(q, w, alp, dt))
+        put(row.w, along(w, dt, alp))
+        return
+    put4(row.q, turned(q, scale(dt, w)))
+
+
+@inner
 def middle(i, sc, A, laws, M, L, T, t, hits):
     """Centre and velocity (triples) of ball i's sphere at time t, its row left alone. T: scratch rows like M."""
     ball = sc.balls[i]
@@ -245,7 +269,7 @@ def middle(i, sc, A, laws, M, L, T, t, hits):
     copy = T[ball.body]
     copy_row(copy, row)
     spare = np.zeros(4)
-    run_leg(ball, A[ball.body], copy, leg, laws, spare, t, hits)
+    run_leg(ball, A[ball.body], copy, leg, laws, sc.rough, spare, t, hits)
     arm = rotate(quad(copy.q), ball.centre)
     return add(triple(copy.p), arm), add(triple(copy.v), cross(triple(copy.w), arm))
 

@@ -51,6 +51,7 @@ PAIR = np.dtype([("allowed", "i8"), ("e", "f8"), ("mu", "f8")], align=True)
 class Scene(NamedTuple):
     """balls (m,) of BALL, flats (f,) of FLAT, pairs (n + 6, n + 6) of PAIR.
 
+    rough: None where no pair has friction, and then no code for sliding and rolling is compiled.
     FLAT.face is the axis of the only face of a half-space, -1 for any other box; FLAT.box its lowest and highest
     corner in space axes.
     """
@@ -58,6 +59,7 @@ class Scene(NamedTuple):
     balls: np.ndarray
     flats: np.ndarray
     pairs: np.ndarray
+    rough: np.ndarray | None
 
 
 def build_scene(model: Model, arrays: np.ndarray, laws: Laws | None) -> Scene:
@@ -75,7 +77,8 @@ def build_scene(model: Model, arrays: np.ndarray, laws: Laws | None) -> Scene:
         ball["gain"], ball["swing"], ball["turn_gain"] = _acceleration_bounds(body, ball["centre"], laws)
     pairs = np.zeros(plan.allowed.shape, PAIR)
     pairs["allowed"], pairs["e"], pairs["mu"] = plan.allowed, plan.restitution, plan.friction
-    return Scene(balls=balls, flats=_flats(model), pairs=pairs)
+    rough = np.zeros(0) if (pairs["mu"][plan.allowed] > 0.0).any() else None
+    return Scene(balls=balls, flats=_flats(model), pairs=pairs, rough=rough)
 
 
 def _flats(model: Model) -> np.ndarray:
