@@ -11,8 +11,8 @@ from flowgmo.output import log_tables as tables
 
 STATE_BYTES = 200  # one body: the State's arrays and their copy in a step
 ROW_BYTES = 240  # one body in one history row: up to 10 vectors of 8-byte numbers
-STEP_SECONDS = 4e-6  # one body, one step, without collisions (measured on a 2-core virtual machine)
-STEP_OVERHEAD = 1.5e-4  # one step of Python around the kernels, as measured there
+STEP_SECONDS = 4e-7  # one free body, one step: tests/cost/bench.py on a 2-core virtual machine
+STEP_OVERHEAD = 5e-5  # one step of Python around the kernels, from the same
 
 
 def summary(model: Model) -> list[RenderableType]:
@@ -29,7 +29,7 @@ def summary(model: Model) -> list[RenderableType]:
     seconds = steps * (STEP_OVERHEAD + moving * STEP_SECONDS)
     parts.append(
         f"{model.mesh.cells} cells (no field arrays: the scene is dry), {steps} steps, {rows} history rows; "
-        f"about {_bytes(memory)} beside the program, and {seconds:.2g} s of wall time without impacts"
+        f"about {_bytes(memory)} beside the program, and {seconds:.2g} s of wall time without impacts and output"
     )
     return parts
 

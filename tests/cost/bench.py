@@ -11,12 +11,12 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "helpers"))
 
 
-def flying(steps, collide):
-    """200 free spheres, 10 diameters apart; seconds per step. collide: every step looks for impacts, and finds few."""
+def flying(steps, collide, n=200):
+    """n free spheres, 10 diameters apart; seconds per step. collide: every step looks for impacts, and finds few."""
     from flowgmo_scenes import WALLS, Scene, ball, deck
 
     rng = np.random.default_rng(0)
-    places = [2.0 * np.array([k // 36, k // 6 % 6, k % 6]) - 5.0 for k in range(200)]
+    places = [2.0 * np.array([k // 36, k // 6 % 6, k % 6]) - 5.0 for k in range(n)]
     balls = [ball(x, 0.1, rng.normal(size=3)) for x in places]
     s = Scene(deck(*balls, lo=(-9,) * 3, hi=(9,) * 3, sides=WALLS, collide=collide))
     s.to(1e-3)
@@ -59,6 +59,7 @@ def start_up(command):
 
 if __name__ == "__main__":
     steps = 10_000
+    print(f"one free sphere, a step: {flying(steps, False, n=1) * 1e6:.0f} µs (check.py: STEP_OVERHEAD)")
     for collide in (False, True):
         each = flying(steps, collide)
         what = "collisions on" if collide else "no collisions"

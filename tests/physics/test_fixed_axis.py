@@ -26,8 +26,8 @@ def pendulum(axis, amplitude):
 @pytest.mark.parametrize("axis", AXES.values(), ids=AXES)
 @pytest.mark.parametrize("parts", [1, 7, 500])
 def test_the_period_at_60_degrees(axis, parts):
-    """The rate at the period is the error of the period times the acceleration there. Measured: 1e-11 of T (bound of
-    VALIDATION 1e-5). The linear pendulum's period would be 7 % off."""
+    """The rate at the period is the error of the period times the acceleration there. Bound: 1e-9 of T
+    (VALIDATION 1e-5). The linear pendulum's period would be 7 % off."""
     text, linear, bend = pendulum(axis, np.pi / 3)
     period = linear * STRETCH
     s = Scene(text).to(period, period / parts)
@@ -44,7 +44,7 @@ def test_half_a_period_is_the_other_side():
 
 
 def test_a_torque_about_the_axis_of_a_balanced_body():
-    """θ = T t²/(2 J), whatever the direction of the axis. Measured: 1e-13."""
+    """θ = T t²/(2 J), whatever the direction of the axis. Measured: 5e-15."""
     loaded = on_axis(MOMENT, (1, 1, 1), MASS, more="igf(#)=1, txtobs(1,#)=0.6, tytobs(1,#)=0.6, tztobs(1,#)=0.6,")
     s = Scene(deck(loaded, collide=False)).to(2.0, 0.5)
     along = 0.6 * np.sqrt(3.0)

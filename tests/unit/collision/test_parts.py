@@ -39,7 +39,7 @@ def frame(rng):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_distance_to_a_box_is_that_to_its_nearest_point(seed):
-    """Outside against the clamped point; the gradient is the unit vector to it. Measured: 1e-15."""
+    """Outside against the clamped point; the gradient is the unit vector to it. Measured: 9e-16."""
     rng = np.random.default_rng(seed)
     axes, lo, hi = frame(rng), -rng.uniform(0.1, 1, 3), rng.uniform(0.1, 1, 3)
     flats = flat(axes, lo, hi)
@@ -83,7 +83,7 @@ def test_safe_steps_without_a_bound():
 @pytest.mark.parametrize("seed", range(200))
 def test_an_impact_obeys_the_laws(seed):
     """Any e, μ, K of balls: rebound e |v3|, |Jt| <= μ Jn, slip never reversed, the loss is that of the work,
-    ½ (v⁺ + v⁻)·J <= 0. Measured: 1e-16."""
+    ½ (v⁺ + v⁻)·J <= 0."""
     rng = np.random.default_rng(seed)
     n = rng.normal(size=3)
     n /= np.linalg.norm(n)
