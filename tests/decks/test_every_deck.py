@@ -61,6 +61,7 @@ def test_energy_books_close(path, runs):
     case, deck = path.parent.name, path.stem
     energy = runs.curves(case, deck).energy
     if not energy:
-        pytest.skip("no coupled body, no books")
+        assert case == "piston"  # the only decks without a coupled body: they have no books
+        return
     largest = max(np.abs(values).max() for values in energy.values())
     assert np.abs(energy["remainder"]).max() <= 1e-11 * largest

@@ -89,11 +89,12 @@ def test_sign_is_membership(name):
     assert np.array_equal(body.distance(POINTS) <= 0, body.inside(POINTS))
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", [name for name in EVERY if name != "general root"])
 def test_step_by_the_distance_never_crosses(name):
-    """|d| is at most the true distance: d changes by no more than the way between two points."""
-    if name == "general root":
-        pytest.skip("its distance may be too large, as its docstring says")
+    """|d| is at most the true distance: d changes by no more than the way between two points.
+
+    Not so for a general root surface, whose distance may be too large, as its docstring says.
+    """
     body = EVERY[name]
     d, way = body.distance(POINTS), np.random.default_rng(2).normal(size=POINTS.shape)
     way *= (np.random.default_rng(3).uniform(0, 0.999, len(d)) * np.abs(d) / np.linalg.norm(way, axis=1))[:, None]
