@@ -49,7 +49,7 @@ def prepare(model: Model) -> World:
     if moving.size:
         stages.append(("motion", _move_alone))
     if model.contacts is not None and any(arrays["motion"][i] != STILL for i in balls):
-        from flowgmo.collision.stage import Collisions, move_colliding
+        from flowgmo.collision.balls.stage import Collisions, move_colliding
 
         collisions = Collisions(model, arrays, laws)
         stages.append(("collisions", move_colliding))

@@ -5,10 +5,10 @@ import pytest
 from numba import njit
 
 from flowgmo.bodies.stops import first_crossing
-from flowgmo.collision.distance import box_distance
+from flowgmo.collision.balls.distance import box_distance
 from flowgmo.collision.impact_exact import ball_impact
-from flowgmo.collision.scene import FLAT
-from flowgmo.collision.search_surface import safe_step
+from flowgmo.collision.balls.scene import FLAT
+from flowgmo.collision.balls.search import safe_step
 
 
 @njit

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.bodies.laws import Laws
-from flowgmo.collision import resolve
-from flowgmo.collision.events import EVENT, MOST_EVENTS, run_events
-from flowgmo.collision.legs import LEG
-from flowgmo.collision.scene import build_scene
+from flowgmo.collision.balls import resolve
+from flowgmo.collision.balls.events import EVENT, MOST_EVENTS, run_events
+from flowgmo.collision.balls.legs import LEG
+from flowgmo.collision.balls.scene import build_scene
 from flowgmo.errors import StepFailed
 from flowgmo.mesh import SIDE_NAMES
 from flowgmo.model import Model

@@ -12,8 +12,8 @@ import numpy as np
 
 from flowgmo.bodies.motion import fly
 from flowgmo.bodies.stops import first_crossing
-from flowgmo.collision.distance import box_distance
-from flowgmo.collision.resting import friction_loss, plane_leg, series_state
+from flowgmo.collision.balls.distance import box_distance
+from flowgmo.collision.balls.resting import friction_loss, plane_leg, series_state
 from flowgmo.kernel import inner
 from flowgmo.vectors import (
     add,

@@ -1,6 +1,6 @@
 """All impacts inside one step, each at its own time.
 
-    predict the next event of every ball            (search_surface.py, ends of legs)
+    predict the next event of every ball            (search.py, ends of legs)
     until the step is over: take the earliest event, resolve it (resolve.py), start new legs for the balls it
     concerned (legs.py), and predict again for them and for those that had them as partner
 
@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.legs import RESTS, SERIES, copy_row, run_leg, start_leg
-from flowgmo.collision.resolve import (
+from flowgmo.collision.balls.legs import RESTS, SERIES, copy_row, run_leg, start_leg
+from flowgmo.collision.balls.resolve import (
     DONE,
     FAILED,
     RESTS_ON_ROUND,
@@ -25,8 +25,8 @@ from flowgmo.collision.resolve import (
     hit_flat,
     leg_over,
 )
-from flowgmo.collision.resting import series_time
-from flowgmo.collision.search_surface import NEVER, bound_path, meets_ball, meets_flat
+from flowgmo.collision.balls.resting import series_time
+from flowgmo.collision.balls.search import NEVER, bound_path, meets_ball, meets_flat
 from flowgmo.kernel import inner, kernel
 from flowgmo.vectors import along, dot, put, triple
 

@@ -17,8 +17,8 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.bodies.stops import first_crossing
-from flowgmo.collision.distance import box_distance
-from flowgmo.collision.legs import AT_REST, FLIGHT, SEPARATING, SERIES, middle, speed_tolerance
+from flowgmo.collision.balls.distance import box_distance
+from flowgmo.collision.balls.legs import AT_REST, FLIGHT, SEPARATING, SERIES, middle, speed_tolerance
 from flowgmo.kernel import inner
 from flowgmo.vectors import dot, norm, sub, triple
 
