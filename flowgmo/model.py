@@ -80,13 +80,23 @@ class ContactPlan:
     """Who may collide and how. Parties are numbered: bodies 0 .. n-1 (deck number - 1), then sides n .. n+5.
 
     allowed, restitution, friction (n+6, n+6), symmetric. `touch` is the gap that counts as touching, in radii of
-    the smaller body. `balls` and `flats` say which bodies take part as what (collision/pairs.py).
+    the smaller body. impact, dpfrac, search, multiple, hertz, resting, sleep: the methods, as in &FLOWGMO. closed_form:
+    all that collides are balls and flats whose events have closed forms (collision/balls); `balls` and `flats` are then
+    the bodies that take part as what.
     """
 
     allowed: np.ndarray
     restitution: np.ndarray
     friction: np.ndarray
     touch: float
+    impact: str
+    dpfrac: float
+    search: str
+    multiple: str
+    hertz: float
+    resting: str
+    sleep: bool
+    closed_form: bool
     balls: tuple[int, ...]
     flats: tuple[int, ...]
 

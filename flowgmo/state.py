@@ -45,6 +45,9 @@ class State:
     angle: np.ndarray
     hold: np.ndarray
     support: np.ndarray
+    held_parts: np.ndarray
+    held_values: np.ndarray
+    general: bool  # the closed forms of balls no longer do: the contact engine has taken over (collision/stage.py)
     books: np.ndarray
     fluid: None = None
 
@@ -78,6 +81,9 @@ def initial_state(model: Model) -> State:
         angle=np.zeros(n),
         hold=np.zeros((n, 4), dtype=np.int8),
         support=np.full((n, 3), -1, dtype=np.int32),
+        held_parts=np.zeros((0, 3), dtype=np.int64),
+        held_values=np.zeros((0, 10)),
+        general=False,
         books=np.zeros(len(BOOKS)),
     )
     return state

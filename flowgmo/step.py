@@ -1,7 +1,7 @@
 """One time step: the table of contents of the physics.
 
     move the bodies that nothing can hit         flight, prescribed motion, control loads, stops
-    move the balls, impacts at their own times   collisions; absent where the deck has none
+    move the others, impacts at their own times  collisions; absent where the deck has none
 
 A scene with liquid adds, before these, the accelerations of the fluid, the average of the open fractions over the
 bodies' motion, and the projection that finds pressure and bodies' velocities together; after them the open fractions
@@ -22,7 +22,7 @@ from flowgmo.bodies.arrays import STILL, pack
 from flowgmo.bodies.move import move_alone
 from flowgmo.errors import StepFailed
 from flowgmo.model import Model
-from flowgmo.records import IMPACT, LIMIT, Rows, no_impacts
+from flowgmo.records import CLUSTER, IMPACT, LIMIT, Rows, no_impacts
 from flowgmo.rows import energy_at_start, ledger_of, make_rows
 from flowgmo.state import State, initial_state
 from flowgmo.world import Room, World, poses_of
@@ -42,14 +42,15 @@ class Report:
 def prepare(model: Model) -> World:
     """The World of a Model. Loads only the kernels that its effects need."""
     arrays, laws = pack(model.bodies, model.gravity)
-    balls: tuple[int, ...] = model.contacts.balls if model.contacts else ()
+    plan = model.contacts
+    colliding = set(np.flatnonzero(plan.allowed.any(axis=1)).tolist()) if plan else set()
     collisions = None
     stages: list[tuple[str, Callable]] = []
-    moving = np.array([i for i, m in enumerate(arrays["motion"]) if m != STILL and i not in balls], dtype=np.int64)
+    moving = np.array([i for i, m in enumerate(arrays["motion"]) if m != STILL and i not in colliding], dtype=np.int64)
     if moving.size:
         stages.append(("motion", _move_alone))
-    if model.contacts is not None and any(arrays["motion"][i] != STILL for i in balls):
-        from flowgmo.collision.balls.stage import Collisions, move_colliding
+    if any(arrays["motion"][i] != STILL for i in colliding if i < len(arrays)):
+        from flowgmo.collision.stage import Collisions, move_colliding
 
         collisions = Collisions(model, arrays, laws)
         stages.append(("collisions", move_colliding))
@@ -84,12 +85,26 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
     _check_finite(world, room, t1)
     room.store(state)
     state.advance_clock(t1, landing)
-    impacts = np.concatenate(room.impacts) if room.impacts else no_impacts()
-    impacts = impacts[np.argsort(impacts["time"], kind="stable")]
-    impacts["cluster"] = state.impacts + np.arange(len(impacts))
-    state.impacts += len(impacts)
+    if room.stops:
+        rows = np.array([row for _, row in room.stops])
+        room.impacts.append(_stop_records(world, rows, np.array([body for body, _ in room.stops])))
+    impacts = _in_order(room.impacts, state)
     rows = make_rows(world, asked, room.rows, room.contact_force, room.rows_books) if asked.size else None
     return Report(rows=rows, impacts=impacts)
+
+
+def _in_order(tables: list[np.ndarray], state: State) -> np.ndarray:
+    """One table of impacts by time; each table is one cluster, or (cluster 0 in all rows) impacts apart."""
+    for table in tables:
+        many = table["regime"] == CLUSTER
+        table["cluster"] = np.where(many, 0, np.arange(len(table)))
+    impacts = []
+    for table in tables:
+        table["cluster"] += state.impacts
+        state.impacts = int(table["cluster"].max(initial=state.impacts - 1)) + 1
+        impacts.append(table)
+    together = np.concatenate(impacts) if impacts else no_impacts()
+    return together[np.argsort(together["time"], kind="stable")]
 
 
 def _check_finite(world: World, room: Room, t1: float) -> None:

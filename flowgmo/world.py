@@ -43,11 +43,18 @@ class Room:
         self.rows_books = np.repeat(state.books[None], asked.size, axis=0)
         self.contact_force = np.zeros((asked.size, len(self.motion), 3)) if world.collisions else None
         self.impacts: list[np.ndarray] = []
+        self.stops: list[tuple[int, np.ndarray]] = []  # stops that colliding bodies met: body, row of forced.note_hit
+
+        self.held: tuple[np.ndarray, np.ndarray] | None = None  # contacts that stay, if the contact engine ran
 
     def store(self, state: State) -> None:
+        """Make this the state."""
         for name, values in zip(POSE.names, _parts(state), strict=True):
             values[...] = self.motion[name]
         state.books[:] = self.books
+        if self.held is not None:
+            state.held_parts, state.held_values = self.held
+            state.general = True
 
 
 def poses_of(state: State) -> np.ndarray:

@@ -1,15 +1,15 @@
 """Who may collide with whom, and how (ICLID, ICLIDOB, CRSTRNG, CFRC, STRNGMOB, FRCMOB, IBCT).
 
-A pair takes the smaller restitution and the smaller friction of its two partners. What this version can resolve is
-checked pair by pair; everything else is refused with what to write instead.
+A pair takes the smaller restitution and the smaller friction of its two partners.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.body import FIXED_AXIS, FIXED_POINT, SIX_DEGREES, SOLID, Body, Sinusoid, Table
+from flowgmo.bodies.body import FIXED_AXIS, FIXED_POINT, SOLID, Body, Sinusoid, Table
 from flowgmo.building.findings import Findings
+from flowgmo.deck import Deck
 from flowgmo.geometry import overlap_depth
 from flowgmo.mesh import SYMMETRY, Mesh, Side
 from flowgmo.model import ContactPlan
@@ -19,7 +19,7 @@ ISOTROPIC = 1e-9  # relative spread of the moments of inertia up to which a body
 
 
 def build_contacts(found: Findings, bodies: tuple[Body, ...], mesh: Mesh) -> ContactPlan | None:
-    """The contact plan, None where nothing can collide. Problems: pairs not computed yet, overlaps at the start."""
+    """The contact plan, None where nothing can collide. Problems: overlaps at the start."""
     deck = found.deck
     if deck["ICLID"] != 1:
         return None
@@ -30,15 +30,22 @@ def build_contacts(found: Findings, bodies: tuple[Body, ...], mesh: Mesh) -> Con
     _drop_pierced(found, bodies, mesh, allowed)
     if not allowed.any():
         return None
-    _check_balls(found, bodies, allowed, friction)
-    if not found.problems:
-        _check_overlaps(found, bodies, allowed)
+    _check_overlaps(found, bodies, allowed)
+    touch = float(deck["TOUCH"])
     taking_part = [i for i in range(n) if allowed[i].any()]
     return ContactPlan(
         allowed=allowed,
         restitution=restitution,
         friction=friction,
-        touch=float(deck["TOUCH"]),
+        touch=touch,
+        impact=str(deck["IMPACT"]),
+        dpfrac=float(deck["DPFRAC"]),
+        search=str(deck["SEARCH"]),
+        multiple=str(deck["MULTIPLE"]),
+        hertz=float(deck["HERTZ"]),
+        resting=str(deck["RESTING"]),
+        sleep=bool(deck["SLEEP"]),
+        closed_form=_only_balls(bodies, allowed, friction, touch) and _is_default(deck),
         balls=tuple(i for i in taking_part if bodies[i].shape.as_sphere() is not None),
         flats=tuple(i for i in taking_part if _is_flat(bodies[i])),
     )
@@ -74,6 +81,12 @@ def _coefficients(found: Findings, bodies: tuple[Body, ...], sides: tuple[Side, 
             restitution[k], restitution[:, k] = 1.0, 1.0
             friction[k], friction[:, k] = 0.0, 0.0
     return restitution, friction
+
+
+def _is_default(deck: Deck) -> bool:
+    """Whether the deck asks for the methods that the closed forms of balls are part of."""
+    wanted = {"IMPACT": "exact", "SEARCH": "surface", "MULTIPLE": "simultaneous", "RESTING": "constraint"}
+    return all(deck[name] == value for name, value in wanted.items())
 
 
 def _is_flat(body: Body) -> bool:
@@ -123,63 +136,59 @@ def _drop_pierced(found: Findings, bodies: tuple[Body, ...], mesh: Mesh, allowed
             )  # fmt: skip
 
 
-def _check_balls(found: Findings, bodies: tuple[Body, ...], allowed: np.ndarray, friction: np.ndarray) -> None:
-    """Refuse the pairs that are not computed yet, once for each body with all its partners."""
+def _only_balls(bodies: tuple[Body, ...], allowed: np.ndarray, friction: np.ndarray, touch: float) -> bool:
+    """Whether everything that can collide is a ball whose events have closed forms (collision/balls), or a flat."""
     n = len(bodies)
     for i, body in enumerate(bodies):
         if not allowed[i].any():
             continue
         if body.shape.as_sphere() is None:
-            if body.coupled:
-                _not_yet(found, i, f"{body.name} is a {body.shape.describe()}")
-            elif not _is_flat(body) and any(allowed[i, :n]):
-                _not_yet(
-                    found, i, f"{body.name} ({body.shape.describe()}, {body.kind}) is neither a ball nor a flat at rest"
-                )
-            continue
-        reason = _unfit_ball(body, rough=bool((friction[i][allowed[i]] > 0.0).any()))
-        if reason:
-            _not_yet(found, i, f"{body.name} {reason}")
+            if body.coupled or (not _is_flat(body) and any(allowed[i, :n])):
+                return False
+        elif not _is_plain_ball(body, rough=bool((friction[i][allowed[i]] > 0.0).any())):
+            return False
+    return not _balls_touch(bodies, allowed, touch)
 
 
-def _unfit_ball(body: Body, rough: bool) -> str:
-    """Why a spherical body cannot collide yet; empty if it can."""
+def _is_plain_ball(body: Body, rough: bool) -> bool:
+    """A solid, free or driven sphere that closed forms cover."""
     if body.kind == SOLID:
-        return ""
+        return True
     centre, radius = body.shape.as_sphere()
     if body.stops.any:
-        return "has travel or angle limits"
+        return False
     if not body.coupled:
         turning = sum(not _is_zero(d.law) for d in body.drives[3:])
-        return "is driven about several axes" if turning > 1 and body.constraint != FIXED_AXIS else ""
+        return turning <= 1 or body.constraint == FIXED_AXIS
     if body.constraint == FIXED_POINT:
-        return "turns about a fixed point"
+        return False
     if body.constraint == FIXED_AXIS:
-        if not body.drives[3].coupled:
-            return ""
-        return "turns about a fixed axis and has friction" if rough else ""
-    if body.constraint == SIX_DEGREES and not all(d.coupled for d in body.drives):
-        return "is driven in some components"
+        return not body.drives[3].coupled or not rough
+    if not all(d.coupled for d in body.drives):
+        return False
     if np.linalg.norm(centre - body.origin) > ISOTROPIC * radius:
-        return "has its mass centre off its middle"
+        return False
     moments = np.linalg.eigvalsh(body.mass.inertia)
-    if np.ptp(moments) > ISOTROPIC * moments[-1]:
-        return "has different moments of inertia about its axes"
-    return ""
+    return bool(np.ptp(moments) <= ISOTROPIC * moments[-1])
+
+
+def _balls_touch(bodies: tuple[Body, ...], allowed: np.ndarray, touch: float) -> bool:
+    """Whether two balls touch at the start: several may then be hit at once."""
+    balls = [(i, *body.shape.as_sphere()) for i, body in enumerate(bodies) if body.shape.as_sphere() is not None]
+    if len(balls) < 3:
+        return False
+    rows = np.array([i for i, _, _ in balls])
+    centre, radius = np.array([c for _, c, _ in balls]), np.array([r for _, _, r in balls])
+    for k in range(len(balls)):
+        gap = np.linalg.norm(centre[k + 1 :] - centre[k], axis=1) - radius[k + 1 :] - radius[k]
+        near = gap <= touch * np.minimum(radius[k + 1 :], radius[k]) + 1e-12 * radius[k]  # 1e-12: rounding of decks
+        if (near & allowed[rows[k], rows[k + 1 :]]).any():
+            return True
+    return False
 
 
 def _is_zero(law: Table | Sinusoid) -> bool:
     return law.amplitude == 0.0 if isinstance(law, Sinusoid) else law.is_zero
-
-
-def _not_yet(found: Findings, i: int, what: str) -> None:
-    m = i + 1
-    found.problem(
-        "ICLID",
-        wrong=f"{what}: collisions are computed for balls with balls, with stationary flat solids and with the "
-        "sides of the domain, not yet for this body",
-        write=f"Write iclidob({m},{m})=0 to let it pass through the others, or iclid=0",
-    )  # fmt: skip
 
 
 def _check_overlaps(found: Findings, bodies: tuple[Body, ...], allowed: np.ndarray) -> None:

@@ -70,16 +70,16 @@ QVAL_FAVOR | real | | 0.5 | - | | M D3 | open fraction at which solids are drawn
 
 FLOWGMO = """
 = computed
-IMPACT | char | | 'exact' | - | 'exact' 'euler'* | - | \
+IMPACT | char | | 'exact' | - | 'exact' 'euler' | - | \
     one impact: solved exactly, or with fixed steps of the impulse as in the report
 DPFRAC | real | | 0.01 | - | > 0 | - | step of 'euler' as a part of the estimated impulse
 SEARCH | char | | 'surface' | - | 'surface' 'grid'* | - | \
     contacts found on the true surfaces, or at mesh nodes as in the report
-MULTIPLE | char | | 'simultaneous' | - | 'simultaneous' 'sequential'* | - | \
+MULTIPLE | char | | 'simultaneous' | - | 'simultaneous' 'sequential' | - | \
     touching contacts resolved together or in turn
 HERTZ | real | | 1.5 | - | > 0 | - | exponent of the contact law that shares an impact: 1 linear, 1.5 Hertz
 TOUCH | real | | 1e-9 | radii of the smaller body | >= 0 | - | gap that counts as touching
-RESTING | char | | 'constraint' | - | 'constraint' 'micro'* | - | \
+RESTING | char | | 'constraint' | - | 'constraint' 'micro' | - | \
     lasting contact: a constraint, or many small collisions
 SLEEP | logical | | .true. | - | | - | bodies at rest cost nothing
 AXISX AXISY AXISZ | real | m | @axis | - | | - | {axis} of the direction of the fixed axis of a body with IMOAXS=1

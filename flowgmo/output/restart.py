@@ -15,7 +15,7 @@ from flowgmo.output.software import versions
 from flowgmo.state import State, initial_state
 
 FORMAT = "flowgmo restart"
-FORMAT_VERSION = 1  # raised whenever State changes
+FORMAT_VERSION = 2  # raised whenever State changes
 
 #: Deck variables that may change between a run and its continuation: the end, the steps (their defaults follow from
 #: the end), and when output is written.
@@ -23,6 +23,7 @@ MAY_CHANGE = {
     "twfin", "itwfin", "frcfin", "tstdy", "delt", "dtmin", "tdtmax", "teditdt",
     "tpltd", "tapltd", "thpltd", "tprtd", "tsprtd", "tedit", "esprtdt", "restart_dt", "remark",
 }  # fmt: skip
+GROWING = ("held_parts", "held_values")  # one row per contact
 MOST_DIFFERENCES = 5  # shown in an error text
 
 
@@ -107,7 +108,9 @@ def _state(path: Path, group: h5py.Group, model: Model) -> State:
             continue
         value = group[field.name][()]
         if isinstance(old, np.ndarray):
-            if value.shape != old.shape or value.dtype != old.dtype:
+            shape = value.shape[1:] if field.name in GROWING else value.shape
+            wanted = old.shape[1:] if field.name in GROWING else old.shape
+            if shape != wanted or value.dtype != old.dtype:
                 raise RestartError(f"{path} is damaged: {field.name} has shape {value.shape} instead of {old.shape}")
             if value.dtype.kind == "f" and not np.isfinite(value).all():
                 raise RestartError(f"{path} is damaged: {field.name} is not finite")

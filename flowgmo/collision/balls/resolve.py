@@ -6,9 +6,9 @@ import numpy as np
 
 from flowgmo.bodies.arrays import DRIVEN, HINGED
 from flowgmo.collision.balls.distance import box_distance
-from flowgmo.collision.impact_exact import ball_impact
 from flowgmo.collision.balls.legs import LEAVES, ROLLS, speed_tolerance
 from flowgmo.collision.balls.resting import rolling_spin, series_time
+from flowgmo.collision.impact_exact import ball_impact
 from flowgmo.kernel import inner
 from flowgmo.records import REST
 from flowgmo.vectors import add, along, cross, dot, norm, put, quad, rotate, scale, sub, triple

@@ -1,4 +1,4 @@
-"""Stage `collisions`: from the Model's contact plan to the event kernel, and its outcome back."""
+"""From the Model's contact plan to the event kernel of balls, and its outcome back."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ from flowgmo.records import IMPACT
 from flowgmo.state import State
 from flowgmo.world import Room, World
 
+#: Statuses that the contact engine can go on from.
+FOR_THE_ENGINE = (resolve.SEVERAL_ROUGH, resolve.RESTS_ON_ROUND, resolve.LOCKED)
 
-class Collisions:
+
+class Balls:
     """The scene's arrays and room to work, made once."""
 
     def __init__(self, model: Model, arrays: np.ndarray, laws: Laws | None) -> None:
@@ -28,25 +31,32 @@ class Collisions:
         self.count = np.zeros(1, dtype=np.int64)
         self.records = np.zeros((1024, resolve.WIDTH))
 
+    def move(self, world: World, state: State, t1: float, room: Room) -> bool:
+        """Move all balls to t1 [time] through their impacts; records go to room.impacts.
 
-def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
-    """Move all balls to t1 [time] through their impacts; records go to room.impacts.
+        False, with the room as it was: a ball comes to rest where no closed form holds. Raises StepFailed.
+        """
+        before = [part.copy() for part in self._parts(room)]
+        books = np.zeros_like(room.books)  # what the collisions change: rows get the part until their time
+        records, status, t, a, b = run_events(
+            self.scene, world.arrays, world.laws, room.motion, self.legs, world.scratch, books, state.t, t1, room.asked,
+            room.rows, room.contact_force, room.rows_books, self.records, self.count, self.events, self.others,
+        )  # fmt: skip
+        self.records = records
+        if status in FOR_THE_ENGINE:
+            for part, old in zip(self._parts(room), before, strict=True):
+                part[...] = old
+            return False
+        if status != resolve.DONE:
+            raise StepFailed(_reason(world.model, status, t, a, b))
+        room.books += books
+        if self.count[0]:
+            room.impacts.append(_to_impacts(records[: self.count[0]], len(world.model.bodies)))
+        return True
 
-    Raises StepFailed; step.py then restores the state.
-    """
-    c = world.collisions
-    books = np.zeros_like(room.books)  # what the collisions change: rows get the part until their time
-    records, status, t, a, b = run_events(
-        c.scene, world.arrays, world.laws, room.motion, c.legs, world.scratch, books, state.t, t1, room.asked,
-        room.rows, room.contact_force, room.rows_books, c.records, c.count, c.events,
-        c.others,
-    )  # fmt: skip
-    c.records = records
-    if status != resolve.DONE:
-        raise StepFailed(_reason(world.model, status, t, a, b))
-    room.books += books
-    if c.count[0]:
-        room.impacts.append(_to_impacts(records[: c.count[0]], len(world.model.bodies)))
+    @staticmethod
+    def _parts(room: Room) -> tuple[np.ndarray, ...]:
+        return room.motion, room.rows, room.contact_force, room.rows_books
 
 
 def _to_impacts(records: np.ndarray, n: int) -> np.ndarray:
@@ -71,27 +81,9 @@ def _reason(model: Model, status: int, t: float, a: int, b: int) -> str:
     first = f"body {model.bodies[a].name}"
     second = "another body" if b < 0 else f"body {model.bodies[b].name}" if b < n else f"side {SIDE_NAMES[b - n]}"
     when = f"at t = {t:.6g}"
-    if status == resolve.SEVERAL_ROUGH:
-        return (
-            f"{first} rests on several rough flats {when}: resting on more than one flat with friction is not computed "
-            "yet. Set the friction to zero, or end the run earlier"
-        )
-    if status == resolve.RESTS_ON_ROUND:
-        if model.bodies[a].loads is not None or (0 <= b < n and model.bodies[b].loads is not None):
-            loaded = first if model.bodies[a].loads is not None else second
-            return (
-                f"{first} comes to rest on {second} {when} while a control load acts on {loaded}: resting under a load "
-                "that the deck gives (igf) is not computed yet"
-            )
-        return (
-            f"{first} comes to rest on {second} {when}: resting contact is computed for a ball on a face of a flat "
-            "solid or a domain wall, not yet on other bodies, edges or moving bodies"
-        )
     if status == resolve.TOO_MANY:
         return (
             f"more than {MOST_EVENTS:,} impacts in one step, the last of them between {first} and {second} {when}: "
             "write a smaller delt, or smaller velocities"
         )
-    if status == resolve.LOCKED:
-        return f"{first} and {second} press each other {when} and neither can give way: no impulse parts them"
     return f"the motion of {first} could not be integrated {when}: its velocities grow without bound"

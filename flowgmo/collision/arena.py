@@ -1,0 +1,114 @@
+"""The arrays that the parts of the contact engine share: parties, poses, paths, responses, and what pairs may do.
+
+Rows are parties: bodies 0 .. n-1, then the domain sides n .. n+5, which stand still.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.bodies.arrays import BODY, DRIVEN, POSE, STILL
+from flowgmo.bodies.laws import Laws
+from flowgmo.collision.bounds import build_bounds
+from flowgmo.collision.contact import RESPONSE, TWIST
+from flowgmo.collision.paths import PATH, bring, poses_at
+from flowgmo.collision.pieces import build_pieces
+from flowgmo.collision.respond import respond_all
+from flowgmo.errors import StepFailed
+from flowgmo.model import Model
+from flowgmo.records import IMPACT
+
+#: What two parties do: whether they may collide, restitution, friction.
+PAIR = np.dtype([("allowed", "i8"), ("e", "f8"), ("mu", "f8")], align=True)
+MOST_HITS = 64  # stops that one call may record; further ones still act
+
+
+class Arena:
+    """The scene of one run: what is constant, and the step's poses and paths.
+
+    bodies (n+6,) BODY; motion (n+6,) POSE and paths (n+6,) PATH of the step; spare (n+6,) POSE; shapes, reach (n+6,);
+    plan (n+6, n+6) PAIR; touch (n+6, n+6) [length]; responses, twists (n+6,); movable (n+6,): an impulse moves it.
+    """
+
+    def __init__(self, model: Model, arrays: np.ndarray, laws: Laws | None) -> None:
+        n = len(model.bodies)
+        self.model, self.laws, self.n = model, laws, n
+        self.bodies = np.zeros(n + 6, BODY)
+        self.bodies[:n] = arrays
+        self.motion, self.spare = np.zeros(n + 6, POSE), np.zeros(n + 6, POSE)
+        self.motion["q"][:, 0] = 1.0
+        self.paths = np.zeros(n + 6, PATH)
+        self.shapes = build_pieces(model)
+        self.reach = self.shapes.reach
+        self.bounds = build_bounds(self.bodies, laws)
+        self.plan = _pairs(model)
+        self.touch = model.contacts.touch * np.minimum(self.reach[:, None], self.reach)
+        self.touch[~np.isfinite(self.touch)] = 0.0
+        self.responses, self.twists = np.zeros(n + 6, RESPONSE), np.zeros(n + 6, TWIST)
+        motion = self.bodies["motion"]
+        taking_part = model.contacts.allowed.any(axis=1)
+        self.movable = ((motion != STILL) & (motion != DRIVEN)).astype(np.int64)
+        self.movers = np.flatnonzero((motion != STILL) & taking_part)
+        self.gravity = float(np.linalg.norm(model.gravity))
+        self._hits, self._hit_body = np.zeros((MOST_HITS, 7)), np.zeros(MOST_HITS, dtype=np.int64)
+
+    def load(self, motion: np.ndarray, t: float) -> None:
+        """Take the poses (n,) of POSE at time t; everything flies freely until told otherwise."""
+        self.motion[: self.n] = motion
+        self.paths[:] = 0
+        self.paths["t"] = t
+
+    def respond(self, which: np.ndarray) -> None:
+        """Responses and twists of the parties `which` at their present poses."""
+        respond_all(which, self.bodies, self.motion, self.responses, self.twists)
+
+    def bring(self, which: np.ndarray, t: float, books: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        """Bring parties to time t. Returns the stops they met: body and row of forced.note_hit."""
+        found, failed = bring(
+            which, self.bodies, self.motion, self.paths, self.laws, books, t, self._hits, self._hit_body
+        )  # fmt: skip
+        if failed >= 0:
+            raise StepFailed(
+                f"the motion of body {self.model.bodies[failed].name} could not be integrated before t = {t:.6g}: its "
+                "velocities grow without bound. Check its control loads, mass and inertia"
+            )
+        return [(int(self._hit_body[k]), self._hits[k].copy()) for k in range(found)]
+
+    def poses(self, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """Poses (k,) of the movers at time t and what their paths lose until then (4,); nothing is changed."""
+        books = np.zeros(4)
+        poses_at(
+            self.movers, self.bodies, self.motion, self.paths, self.laws, t, self.spare, books, self._hits
+        )  # fmt: skip
+        return self.spare[self.movers], books
+
+    def name(self, party: int) -> str:
+        """A party in words."""
+        from flowgmo.mesh import SIDE_NAMES
+
+        return self.model.bodies[party].name if party < self.n else f"side {SIDE_NAMES[party - self.n]}"
+
+
+def _pairs(model: Model) -> np.ndarray:
+    plan = model.contacts
+    pairs = np.zeros(plan.allowed.shape, PAIR)
+    pairs["allowed"], pairs["e"], pairs["mu"] = plan.allowed, plan.restitution, plan.friction
+    return pairs
+
+
+def party_numbers(party: np.ndarray, n: int) -> np.ndarray:
+    """Party numbers as in the record: component numbers, sides -1 .. -6."""
+    return np.where(party < n, party + 1, n - 1 - party)
+
+
+def records_of(contacts: np.ndarray, t: float, n: int, cluster: int) -> np.ndarray:
+    """Rows of IMPACT for contacts whose impulses an impact at time t has filled."""
+    out = np.zeros(len(contacts), IMPACT)
+    out["time"] = t
+    out["a"], out["b"] = party_numbers(contacts["a"], n), party_numbers(contacts["b"], n)
+    for name in ("point", "normal", "impulse", "e", "mu", "regime"):
+        out[name] = contacts[name]
+    out["energy_loss"] = contacts["loss"]
+    out["cluster"] = cluster
+    out["count"] = 1
+    return out

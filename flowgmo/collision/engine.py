@@ -1,0 +1,152 @@
+"""Bodies of any shape that touch, hit, rest and slide on each other: one step as a chain of legs and events.
+
+    leg      from now to the end of the step, or less where bodies are held in contact:
+      1  find what touches                          gather.py
+      2  resolve the impacts among it               strike.py
+      3  find the forces of the contacts that stay  hold.py; bodies then run on paths (paths.py)
+      4  find when something touches anew           watch.py
+    event    the earliest of these: bring the bodies that are joined in it there, and do 1 - 4 for them alone
+
+What is not concerned by an event is not moved and not looked at again. The age of a contact decides what it is: a new
+one that approaches is an impact, one that was there before is a constraint.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.collision.arena import Arena
+from flowgmo.collision.correct import Corrector
+from flowgmo.collision.gather import no_contacts
+from flowgmo.collision.hold import Holder
+from flowgmo.collision.strike import Striker
+from flowgmo.collision.watch import Watch
+from flowgmo.errors import StepFailed
+from flowgmo.world import Room
+
+MOST_EVENTS = 1_000_000  # in one step
+STALLED = 50  # events of one pair at one time after which its impacts are plastic; ten times more: left until later
+
+
+class Engine:
+    """Moves the bodies of an arena through their contacts; `held` are the contacts that stayed, for the next step."""
+
+    def __init__(self, arena: Arena, law: object) -> None:
+        self.arena = arena
+        self.striker = Striker(arena, law)
+        self.holder = Holder(arena)
+        self.watch = Watch(arena)
+        self.corrector = Corrector(arena)
+        self.held = no_contacts()
+
+    def move(self, t0: float, t1: float, room: Room) -> None:
+        """Bring room.motion (n,) from t0 to t1 through all impacts; room gets rows, records and books."""
+        self.arena.load(room.motion, t0)
+        self.room, self.books, self.step, self.row = room, np.zeros(4), t1 - t0, 0
+        now = t0
+        while now < t1:
+            now = self._leg(now, t1)
+        self._rows_until(np.inf)
+        movers = self.arena.movers
+        room.motion[movers] = self.arena.motion[movers]
+        room.books += self.books
+
+    def _leg(self, now: float, t1: float) -> float:
+        """One leg from now; returns its end, at which all bodies stand."""
+        arena = self.arena
+        contacts = self.watch.touching(self.held)
+        contacts = self._correct(contacts)
+        contacts = self._strike(contacts, now, False)
+        longest = self.holder.longest_leg(contacts)
+        legs = max(1, int(np.ceil((t1 - now) / longest * (1.0 - 1e-9)))) if np.isfinite(longest) else 1
+        end = t1 if legs == 1 else now + (t1 - now) / legs
+        self.held = self.holder.hold(contacts, arena.movers, now, end)
+        self.watch.start(self.held, now, end)
+        self._events(now, end)
+        self._rows_until(end)
+        self.holder.ledger.close(end, self.books)
+        self._bring(arena.movers, end)
+        return end
+
+    def _events(self, now: float, end: float) -> None:
+        """All events until the end of the leg, the earliest first."""
+        met, stalls, last = 0, 0, now
+        while True:
+            t, a, b = self.watch.next()
+            if t >= end:
+                return
+            met += 1
+            stalls = stalls + 1 if t <= last else 0
+            last = max(t, last)
+            if met > MOST_EVENTS:
+                raise StepFailed(
+                    f"more than {MOST_EVENTS:,} impacts in one step, the last of them between {self.arena.name(a)} and "
+                    f"{self.arena.name(b)} at t = {t:.6g}: write a smaller delt, or smaller velocities"
+                )
+            self._rows_until(last)
+            self._event(a, b, last, end, stalls)
+
+    def _event(self, a: int, b: int, t: float, end: float, stalls: int) -> None:
+        """Parties a and b touch at time t: resolve it with everything that is joined to them, and go on from there."""
+        arena = self.arena
+        bodies = self._joined(a, b)
+        self.holder.ledger.close(t, self.books, bodies)
+        self._bring(np.union1d(bodies, [a, b]), t)
+        mine = np.isin(self.held["a"], bodies) | np.isin(self.held["b"], bodies)
+        self._bring(np.setdiff1d(np.unique([self.held["a"][mine], self.held["b"][mine]]), bodies), t)
+        contacts = self.watch.touching_now(self.held[mine], a, b)
+        contacts = self._strike(contacts, t, stalls > STALLED)
+        held = self.holder.hold(contacts, bodies, t, end)
+        self.held = merge(self.held[~mine], held)
+        self.watch.renew(self.held, bodies, t, (a, b) if stalls > 10 * STALLED else None)
+
+    def _joined(self, a: int, b: int) -> np.ndarray:
+        """Bodies joined to a or b by held contacts through bodies that can move; a and b among them if they can."""
+        movable = self.arena.movable
+        joined = {p for p in (a, b) if movable[p]}
+        one, two = self.held["a"], self.held["b"]
+        while True:
+            rows = np.isin(one, list(joined)) | np.isin(two, list(joined))
+            more = {int(p) for p in np.concatenate([one[rows], two[rows]]) if movable[p]} - joined
+            if not more:
+                return np.array(sorted(joined), dtype=np.int64)
+            joined |= more
+
+    def _strike(self, contacts: np.ndarray, t: float, plastic: bool) -> np.ndarray:
+        """Resolve impacts; returns the contacts that may stay: not those that part."""
+        if not len(contacts):
+            return contacts
+        span = min(self.step, self.holder.longest_leg(contacts))
+        outcome = self.striker.strike(contacts, t, span, plastic, self.books)
+        self.room.impacts.extend(outcome.records)
+        fresh = outcome.struck | (contacts["fresh"] == 1)
+        stays = ~(fresh & (outcome.speed > 0.0))
+        contacts["impulse"][outcome.struck] = 0.0
+        return contacts[stays]
+
+    def _correct(self, contacts: np.ndarray) -> np.ndarray:
+        """Take away overlaps of the contacts by small shifts of the bodies that do not touch their velocities."""
+        return self.corrector.correct(contacts)
+
+    def _bring(self, which: np.ndarray, t: float) -> None:
+        for body, row in self.arena.bring(np.asarray(which, dtype=np.int64), t, self.books):
+            self.room.stops.append((body, row))
+
+    def _rows_until(self, t: float) -> None:
+        """History rows of the asked times up to t, from the paths as they are now."""
+        room = self.room
+        while self.row < room.asked.size and room.asked[self.row] <= t:
+            at = room.asked[self.row]
+            poses, books = self.arena.poses(at)
+            self.holder.ledger.add_until(at, books)
+            movers = self.arena.movers
+            room.rows[self.row, movers] = poses
+            room.rows_books[self.row] += self.books + books
+            room.contact_force[self.row, movers] = self.holder.ledger.forces()[movers]
+            self.row += 1
+
+
+def merge(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """Two lists of contacts as one, sorted by pair."""
+    both = np.concatenate([one, two])
+    return both[np.lexsort((both["feature"], both["b"], both["a"]))]

@@ -1,0 +1,165 @@
+"""Between two events a body runs on a path that needs no more than its start to be known at any time.
+
+    FREE     nothing touches it: exact flight, prescribed motion, hinge (bodies/motion.py)
+    HELD     contact forces act, constant over the path: acceleration of the centre and of the turning are constant,
+             v = v0 + a t,  x = x0 + v0 t + a t²/2,  and so for ω; about a fixed axis or point only ω counts
+    ASLEEP   does not move
+
+A row of POSE stands at the start of its path, PATH.t.
+
+Constant forces with v linear in time are the trapezoidal rule: if a contact does not approach at the start and at the
+end, it does not in between (as far as its normal keeps its direction), a body that slides straight is exact, and the
+work of a contact impulse is its product with the mean of the velocities before and after.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.bodies.arrays import STILL
+from flowgmo.bodies.driven import place_hinged
+from flowgmo.bodies.motion import fly
+from flowgmo.kernel import inner, kernel
+from flowgmo.vectors import add, along, cross, dot, norm, put, put4, quad, rotate, triple, turned_linearly
+
+FREE, HELD, ASLEEP = 0, 1, 2
+#: One body's path: its start t [time], mode, acceleration of B, angular acceleration; force: mean of the contacts.
+PATH = np.dtype([("t", "f8"), ("mode", "i8"), ("acc", "f8", 3), ("alp", "f8", 3), ("force", "f8", 3)], align=True)
+
+
+@inner
+def copy_pose(to, row):
+    """Copy one POSE row into another."""
+    put(to.p, row.p)
+    put4(to.q, row.q)
+    put(to.v, row.v)
+    put(to.w, row.w)
+    to.angle = row.angle
+    for k in range(4):
+        to.hold[k] = row.hold[k]
+    for k in range(3):
+        to.support[k] = row.support[k]
+
+
+@inner
+def run_path(body, row, path, laws, books, t, hits):
+    """Bring a row of POSE from the start of its path to time t. Returns stops met, or -1 when integration failed."""
+    dt = t - path.t
+    if dt <= 0.0 or path.mode == ASLEEP or body.motion == STILL:
+        return 0
+    if path.mode == FREE:
+        return fly(body, row, laws, books, path.t, t, hits)
+    _run_held(body, row, path, dt)
+    return 0
+
+
+@inner
+def _run_held(body, row, path, dt):
+    w, alp = triple(row.w), triple(path.alp)
+    if body.hinge == 1:
+        axis = triple(body.axis)
+        rate, gain = dot(w, axis), dot(alp, axis)
+        row.angle += (rate + 0.5 * gain * dt) * dt
+        place_hinged(body, row, row.angle, rate + gain * dt)
+        return
+    put4(row.q, turned_linearly(quad(row.q), w, alp, dt))
+    w = along(w, dt, alp)
+    put(row.w, w)
+    if body.hinge == 2:
+        arm = rotate(quad(row.q), body.arm)
+        put(row.p, add(body.point, arm))
+        put(row.v, cross(w, arm))
+        return
+    v, acc = triple(row.v), triple(path.acc)
+    put(row.p, along(along(triple(row.p), dt, v), 0.5 * dt * dt, acc))
+    put(row.v, along(v, dt, acc))
+
+
+@inner
+def pose_at(body, row, path, laws, t, spare, hits):
+    """Copy of a row of POSE brought to time t, in `spare`; the row itself is left alone."""
+    copy_pose(spare, row)
+    books = np.zeros(4)
+    run_path(body, spare, path, laws, books, t, hits)
+
+
+@kernel
+def bring(which, A, M, P, laws, books, t, hits, hit_body):
+    """Bring the bodies `which` (k,) to time t; their paths go on from there.
+
+    A (n,) BODY, M (n,) POSE and P (n,) PATH changed, books (4,) added to. Stops met go to hits (m, 7), hit_body (m,).
+    Returns the number of hits, and the body whose integration failed or -1.
+    """
+    found = np.int64(0)
+    for k in range(which.size):
+        b = which[k]
+        n = run_path(A[b], M[b], P[b], laws, books, t, hits[found:])
+        if n < 0:
+            return found, b
+        for j in range(found, min(found + n, hits.shape[0])):
+            hit_body[j] = b
+        found = min(found + n, hits.shape[0])
+        P[b].t = max(t, P[b].t)
+    return found, np.int64(-1)
+
+
+@kernel
+def poses_at(which, A, M, P, laws, t, out, books, hits):
+    """Poses of the bodies `which` at time t into out (n,) of POSE; books (4,) get what the paths lose until then."""
+    for k in range(which.size):
+        b = which[k]
+        copy_pose(out[b], M[b])
+        run_path(A[b], out[b], P[b], laws, books, t, hits)
+
+
+@inner
+def motion_bounds(body, row, path, bound, span):
+    """Bounds over the coming span [time]: |ω|, |dω/dt|, |acceleration of B| of a body at the start of its path.
+
+    Where a body was lately brought to a later time of its path, its row is the state then, and span counts from it.
+    """
+    if body.motion == STILL or path.mode == ASLEEP:
+        return 0.0, 0.0, 0.0
+    rate = norm(triple(row.w))
+    if path.mode == HELD:
+        alpha = norm(triple(path.alp))
+        rate += alpha * span
+        lever = 0.0
+        if body.hinge > 0:
+            lever = norm(triple(body.arm))
+        return rate, alpha, norm(triple(path.acc)) + lever * (alpha + rate * rate)
+    rate = bound.spread * rate + bound.turn_gain * span
+    alpha = bound.turn_gain + bound.unevenness * rate * rate
+    return rate, alpha, bound.gain + bound.lever * (alpha + rate * rate)
+
+
+@kernel
+def extents(which, sweep, A, M, P, bounds, reach, out):
+    """Boxes (n, 6) of the bodies `which`: lowest and highest corner of all that they may touch in the coming sweep [time].
+
+    reach (n,): radius of a ball about B that holds the body. Rows of M stand at the starts of the paths.
+    """
+    for k in range(which.size):
+        b = which[k]
+        row = M[b]
+        _, _, most = motion_bounds(A[b], row, P[b], bounds[b], sweep)
+        mean = (0.0, 0.0, 0.0)
+        spread = 0.0
+        if A[b].motion != STILL and P[b].mode != ASLEEP:
+            if P[b].mode == HELD and A[b].hinge == 0:
+                mean = triple(P[b].acc)  # constant: a parabola, which bulges by |a| t²/8 over its chord
+                spread = 0.125 * norm(mean) * sweep * sweep
+            elif P[b].mode == FREE and A[b].motion == 1:
+                mean = triple(A[b].gravity)
+                spread = 0.125 * norm(mean) * sweep * sweep
+            else:
+                spread = 0.5 * most * sweep * sweep
+        far = spread + reach[b] * (1.0 + 1e-9)  # rounding must not lose a touch
+        for i in range(3):
+            x = row.p[i]
+            y = x
+            if A[b].motion != STILL and P[b].mode != ASLEEP:
+                y += (row.v[i] + 0.5 * mean[i] * sweep) * sweep
+            rounding = 1e-14 * (abs(x) + abs(y))
+            out[b, i] = min(x, y) - far - rounding
+            out[b, 3 + i] = max(x, y) + far + rounding

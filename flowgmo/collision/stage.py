@@ -1,0 +1,73 @@
+"""Stage `collisions`: the closed forms of balls where they do, the contact engine elsewhere.
+
+A scene of balls and flats starts with the closed forms (collision/balls). When a ball comes to rest on something that
+they do not know, the step is done again by the contact engine, which goes on from there: State.general remembers it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.bodies.laws import Laws
+from flowgmo.collision.contact import CONTACT
+from flowgmo.model import Model
+from flowgmo.state import State
+from flowgmo.world import Room, World
+
+
+class Collisions:
+    """Made once in a run; each engine when it is first needed."""
+
+    def __init__(self, model: Model, arrays: np.ndarray, laws: Laws | None) -> None:
+        self.model, self.arrays, self.laws = model, arrays, laws
+        self._balls = self._engine = None
+
+    @property
+    def balls(self):  # noqa: ANN201 (balls.stage.Balls: importing it loads its kernels)
+        if self._balls is None:
+            from flowgmo.collision.balls.stage import Balls
+
+            self._balls = Balls(self.model, self.arrays, self.laws)
+        return self._balls
+
+    @property
+    def engine(self):  # noqa: ANN201 (engine.Engine: importing it loads its kernels)
+        if self._engine is None:
+            from flowgmo.collision.arena import Arena
+            from flowgmo.collision.engine import Engine
+            from flowgmo.collision.laws import choose_law
+
+            self._engine = Engine(Arena(self.model, self.arrays, self.laws), choose_law(self.model.contacts))
+        return self._engine
+
+
+def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
+    """Move all bodies that may collide to t1 [time] through their impacts; records go to room.impacts.
+
+    Raises StepFailed; step.py then leaves the state as it was.
+    """
+    collisions = world.collisions
+    if world.model.contacts.closed_form and not state.general:
+        if collisions.balls.move(world, state, t1, room):
+            return
+    engine = collisions.engine
+    engine.held = _held_of(state)
+    engine.move(state.t, t1, room)
+    room.held = _parts_of(engine.held)
+
+
+def _held_of(state: State) -> np.ndarray:
+    """The contacts that stayed, from the State's arrays."""
+    held = np.zeros(len(state.held_parts), CONTACT)
+    for k, name in enumerate(("a", "b", "feature")):
+        held[name] = state.held_parts[:, k]
+    held["point"], held["normal"] = state.held_values[:, :3], state.held_values[:, 3:6]
+    held["impulse"], held["age"] = state.held_values[:, 6:9], state.held_values[:, 9]
+    return held
+
+
+def _parts_of(held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The State's arrays (m, 3) and (m, 10) of contacts that stayed."""
+    parts = np.stack([held["a"], held["b"], held["feature"]], axis=1).astype(np.int64)
+    values = np.concatenate([held["point"], held["normal"], held["impulse"], held["age"][:, None]], axis=1)
+    return parts, values

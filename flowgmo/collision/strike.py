@@ -1,0 +1,126 @@
+"""Impacts among touching contacts at one time: who is in them, which law resolves them, and the record.
+
+    islands of contacts that are joined through movable bodies, each with at least one fresh contact that approaches
+    one contact        the law of a single pair      impact='exact' or 'euler'
+    several            the law of clusters           multiple='simultaneous' or 'sequential'
+
+End of a bounce series: a fresh contact that will rebound with e v and is pulled back with the acceleration a would
+bounce on for 2 e v / (a (1 - e)). Where that ends within the step the impact is plastic: the contact is at rest then.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flowgmo.collision.arena import Arena, records_of
+from flowgmo.collision.gather import approaches, islands
+from flowgmo.collision.respond import set_all
+from flowgmo.records import REST
+from flowgmo.state import FROM_PRESCRIBED, LOST_IN_IMPACTS
+
+SLOW = 1e-10  # normal speed that counts as none, of the speeds at hand and sqrt(g R): round-off of earlier solutions
+SETTLED = 1e-8  # part of an impact's speed that is rest after it
+
+
+@dataclass
+class Outcome:
+    """What was resolved: records (k,) of IMPACT; struck (m,): contacts whose island was in an impact."""
+
+    records: list[np.ndarray]
+    struck: np.ndarray
+    speed: np.ndarray  # (m,) normal velocity of every contact afterwards
+
+
+class Striker:
+    """Resolves impacts with the laws that the deck chose; `resolve` is the law of clusters, `single` that of a pair."""
+
+    def __init__(self, arena: Arena, law: object) -> None:
+        self.arena, self.law = arena, law
+
+    def strike(self, contacts: np.ndarray, t: float, span: float, plastic: bool, books: np.ndarray) -> Outcome:
+        """Resolve all impacts among contacts (m,) at time t; the parties' poses stand at t.
+
+        span [time]: the step in which a bounce series may end; plastic: no rebound for e < 1 (stalled events).
+        Changes velocities in arena.motion, contacts' impulse, regime, loss; books (4,) get the energy.
+        """
+        arena = self.arena
+        parties = np.unique(np.concatenate([contacts["a"], contacts["b"]]))
+        arena.respond(parties)
+        speed = np.empty(len(contacts))
+        approaches(contacts, arena.responses, arena.twists, speed)
+        struck = np.zeros(len(contacts), dtype=bool)
+        records: list[np.ndarray] = []
+        hits = (contacts["fresh"] == 1) & (speed < -SLOW * self._scale(contacts))
+        if not hits.any():
+            return Outcome(records, struck, speed)
+        label = np.empty(len(contacts), dtype=np.int64)
+        islands(contacts, arena.movable, label)
+        for number in np.unique(label[hits]):
+            member = np.flatnonzero(label == number)
+            group = contacts[member]
+            self._settle(group, speed[member], span, plastic)
+            self._resolve(group, t, books)
+            contacts[member] = group
+            struck[member] = True
+            records.append(self._records(group, t, speed[member]))
+        set_all(parties[arena.movable[parties] == 1], arena.bodies, arena.motion, arena.responses, arena.twists)
+        before = speed.copy()
+        approaches(contacts, arena.responses, arena.twists, speed)
+        settled = struck & (np.abs(speed) <= SETTLED * np.abs(before).max())
+        speed[settled] = 0.0
+        return Outcome(records, struck, speed)
+
+    def _scale(self, contacts: np.ndarray) -> np.ndarray:
+        """(m,) speeds that a contact's rounding is a part of [length/time]."""
+        arena = self.arena
+        total = np.zeros(len(contacts))
+        for side in ("a", "b"):
+            rows = arena.motion[contacts[side]]
+            reach = np.where(np.isfinite(arena.reach[contacts[side]]), arena.reach[contacts[side]], 0.0)
+            total += np.linalg.norm(rows["v"], axis=1) + np.linalg.norm(rows["w"], axis=1) * reach
+            total += np.sqrt(arena.gravity * reach)
+        return total
+
+    def _settle(self, group: np.ndarray, speed: np.ndarray, span: float, plastic: bool) -> None:
+        """Take e = 0 for fresh contacts whose bounces would all end within the span."""
+        pull = self._pull(group)
+        rebound = group["e"] * np.maximum(-speed, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rest = 2.0 * rebound / (pull * (1.0 - group["e"]))
+        ends = (pull > 0.0) & (group["e"] < 1.0) & (rest < span)
+        group["e"][ends | (plastic & (group["e"] < 1.0))] = 0.0
+
+    def _pull(self, group: np.ndarray) -> np.ndarray:
+        """(k,) acceleration with which gravity presses each contact's sides together."""
+        arena = self.arena
+        free = arena.movable[: arena.n] == 1
+        g = np.zeros((len(arena.movable), 3))
+        g[: arena.n][free] = arena.model.gravity
+        return -np.einsum("ki,ki->k", g[group["a"]] - g[group["b"]], group["normal"])
+
+    def _resolve(self, group: np.ndarray, t: float, books: np.ndarray) -> None:
+        arena = self.arena
+        before = arena.twists.copy()
+        self.law(group, arena.responses, arena.twists)
+        books[LOST_IN_IMPACTS] += group["loss"].sum()
+        for side, sign in (("a", 1.0), ("b", -1.0)):
+            party = group[side]
+            driven = (arena.movable[party] == 0) & (party < arena.n)
+            if driven.any():
+                x = group["point"][driven] - arena.responses["centre"][party[driven]]
+                u = before["v"][party[driven]] + np.cross(before["w"][party[driven]], x)
+                books[FROM_PRESCRIBED] -= sign * float((group["impulse"][driven] * u).sum())
+
+    def _records(self, group: np.ndarray, t: float, speed: np.ndarray) -> np.ndarray:
+        """Contacts that took an impulse. A series closed within the step is a record of rest."""
+        took = np.linalg.norm(group["impulse"], axis=1) > 0.0
+        rows = records_of(group[took], t, self.arena.n, 0)
+        closed = (group["e"][took] == 0.0) & (self._given(group[took]) > 0.0)
+        rows["regime"][closed] = REST
+        rows["e"] = self._given(group[took])
+        return rows
+
+    def _given(self, group: np.ndarray) -> np.ndarray:
+        return self.arena.plan["e"][group["a"], group["b"]]

@@ -1,0 +1,143 @@
+"""What may touch: the broad phase, the contacts of the moment, and the next events of all pairs in a leg.
+
+Boxes around all that a party may sweep tell apart those that cannot meet (tree.overlapping); of the others sweep.py
+finds the time. Of the pairs of a body whose path changed all is found anew; the rest stays as it was.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.collision.arena import Arena
+from flowgmo.collision.contact import CONTACT
+from flowgmo.collision.gather import gather
+from flowgmo.collision.paths import extents
+from flowgmo.collision.sweep import next_events
+from flowgmo.collision.touching import MOST_POINTS
+from flowgmo.collision.tree import overlapping
+
+NEVER = np.inf
+
+
+class Watch:
+    """Pairs and their next events in the present leg."""
+
+    def __init__(self, arena: Arena) -> None:
+        self.arena = arena
+        n = len(arena.bodies)
+        self.boxes = np.empty((n, 6))
+        self.all = np.arange(n)
+        self.room = np.zeros((64, 2), dtype=np.int64)
+        self.list = np.zeros((64, 2), dtype=np.int64)
+        self.out = np.zeros(256, CONTACT)
+        self.points = np.zeros(MOST_POINTS, CONTACT)
+        self.no_hits = np.zeros((0, 7))
+        self.pairs = np.zeros((0, 2), dtype=np.int64)
+        self.times = np.zeros(0)
+        self.sure = np.zeros(0, dtype=np.int64)
+        self.deepest = 0.0
+        # two that an impulse cannot move, or that may not collide, are never a pair
+        self.allowed = arena.plan["allowed"].astype(np.int64)
+        still = arena.movable == 0
+        self.allowed[np.ix_(still, still)] = 0
+
+    def touching(self, held: np.ndarray) -> np.ndarray:
+        """All contacts of the moment; the rows of arena.motion stand at one time. held: those before."""
+        self._boxes(self.all, 0.0)
+        return self._gather(self._overlapping(), held)
+
+    def touching_now(self, held: np.ndarray, a: int, b: int) -> np.ndarray:
+        """Contacts of the pairs in `held` and of the pair (a, b)."""
+        pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), [[min(a, b), max(a, b)]]])
+        return self._gather(np.unique(pairs, axis=0), held)
+
+    def start(self, held: np.ndarray, now: float, end: float) -> None:
+        """Find the next events of all pairs in [now, end)."""
+        self.now, self.end = now, end
+        self._boxes(self.all, end - now)
+        self.pairs = self._overlapping()
+        self.times, self.sure = self._events(self.pairs, held, now)
+
+    def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, ignore: tuple[int, int] | None) -> None:
+        """Find anew the events of all pairs with one of the bodies, whose paths start at t; ignore: one stalled pair."""
+        self._boxes(bodies, self.end - t)
+        kept = ~np.isin(self.pairs, bodies).any(axis=1)
+        pairs = self._pairs_of(bodies)
+        if ignore is not None:
+            pairs = pairs[~((pairs == min(ignore)).any(axis=1) & (pairs == max(ignore)).any(axis=1))]
+        times, sure = self._events(pairs, held, t)
+        self.pairs = np.concatenate([self.pairs[kept], pairs])
+        self.times = np.concatenate([self.times[kept], times])
+        self.sure = np.concatenate([self.sure[kept], sure])
+        self.held = held
+
+    def next(self) -> tuple[float, int, int]:
+        """Time and parties of the earliest event; infinity if there is none. A search that gave up is taken up again."""
+        while len(self.times):
+            k = int(np.argmin(self.times))
+            if self.sure[k] or not np.isfinite(self.times[k]):
+                return float(self.times[k]), int(self.pairs[k, 0]), int(self.pairs[k, 1])
+            times, sure = self._events(self.pairs[k : k + 1], self.held, float(self.times[k]))
+            self.times[k], self.sure[k] = times[0], sure[0]
+        return NEVER, -1, -1
+
+    def _boxes(self, which: np.ndarray, sweep: float) -> None:
+        a = self.arena
+        extents(which, sweep, a.bodies, a.motion, a.paths, a.bounds, a.reach, self.boxes)
+
+    def _overlapping(self) -> np.ndarray:
+        while True:
+            count = overlapping(self.boxes, self.allowed, self.list)
+            if count <= len(self.list):
+                pairs = self.list[:count]
+                return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+            self.list = np.zeros((2 * count, 2), dtype=np.int64)
+
+    def _pairs_of(self, bodies: np.ndarray) -> np.ndarray:
+        """Pairs of the bodies with all parties whose boxes overlap theirs, lower number first, each once."""
+        found = []
+        for body in bodies:
+            box = self.boxes[body]
+            meets = (box[:3] <= self.boxes[:, 3:]).all(axis=1) & (self.boxes[:, :3] <= box[3:]).all(axis=1)
+            others = np.flatnonzero(meets & (self.allowed[body] == 1))
+            found.append(np.stack([np.minimum(others, body), np.maximum(others, body)], 1))
+        return np.unique(np.concatenate(found), axis=0) if found else np.zeros((0, 2), dtype=np.int64)
+
+    def _gather(self, pairs: np.ndarray, held: np.ndarray) -> np.ndarray:
+        a = self.arena
+        first = self._first(pairs, held)
+        while True:
+            total, most, deepest = gather(
+                a.shapes, pairs, len(pairs), a.motion, a.plan, a.touch, held, first, self.out, self.room, self.points
+            )
+            if total <= len(self.out) and most <= len(self.room):
+                self.deepest = max(self.deepest, deepest)
+                return self.out[:total].copy()
+            self._enlarge(total, most)
+
+    def _events(self, pairs: np.ndarray, held: np.ndarray, now: float) -> tuple[np.ndarray, np.ndarray]:
+        a = self.arena
+        self.held = held
+        times, sure = np.empty(len(pairs)), np.ones(len(pairs), dtype=np.int64)
+        first = self._first(pairs, held)
+        while True:
+            most = next_events(
+                a.shapes, pairs, len(pairs), a.bodies, a.laws, a.motion, a.paths, a.bounds, a.spare, now, self.end,
+                a.touch, held, first, times, sure, self.room, self.no_hits,
+            )  # fmt: skip
+            if most <= len(self.room):
+                return times, sure
+            self._enlarge(0, most)
+
+    def _enlarge(self, contacts: int, pieces: int) -> None:
+        if contacts > len(self.out):
+            self.out = np.zeros(2 * contacts, CONTACT)
+        if pieces > len(self.room):
+            self.room = np.zeros((2 * pieces, 2), dtype=np.int64)
+
+    def _first(self, pairs: np.ndarray, held: np.ndarray) -> np.ndarray:
+        """(k, 2): the held contacts of every pair go from first[k, 0] to first[k, 1] - 1."""
+        n = len(self.arena.bodies)
+        keys = held["a"] * n + held["b"]
+        wanted = pairs[:, 0] * n + pairs[:, 1]
+        return np.stack([np.searchsorted(keys, wanted, "left"), np.searchsorted(keys, wanted, "right")], 1)
