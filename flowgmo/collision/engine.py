@@ -18,7 +18,9 @@ import numpy as np
 from flowgmo.collision.arena import Arena
 from flowgmo.collision.correct import Corrector
 from flowgmo.collision.gather import no_contacts
+from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.hold import Holder
+from flowgmo.collision.laws import Law
 from flowgmo.collision.strike import Striker
 from flowgmo.collision.watch import Watch
 from flowgmo.errors import StepFailed
@@ -31,11 +33,11 @@ STALLED = 50  # events of one pair at one time after which its impacts are plast
 class Engine:
     """Moves the bodies of an arena through their contacts; `held` are the contacts that stayed, for the next step."""
 
-    def __init__(self, arena: Arena, law: object) -> None:
+    def __init__(self, arena: Arena, law: Law, watch: Watch | GridWatch) -> None:
         self.arena = arena
         self.striker = Striker(arena, law)
         self.holder = Holder(arena)
-        self.watch = Watch(arena)
+        self.watch = watch
         self.corrector = Corrector(arena)
         self.held = no_contacts()
 
@@ -55,9 +57,10 @@ class Engine:
         """One leg from now; returns its end, at which all bodies stand."""
         arena = self.arena
         contacts = self.watch.touching(self.held)
-        contacts = self._correct(contacts)
+        if self.watch.located:
+            contacts = self.corrector.correct(contacts)
         contacts = self._strike(contacts, now, False)
-        longest = self.holder.longest_leg(contacts)
+        longest = min(self.holder.longest_leg(contacts), self.watch.longest())
         legs = max(1, int(np.ceil((t1 - now) / longest * (1.0 - 1e-9)))) if np.isfinite(longest) else 1
         end = t1 if legs == 1 else now + (t1 - now) / legs
         self.held = self.holder.hold(contacts, arena.movers, now, end)
@@ -88,7 +91,6 @@ class Engine:
 
     def _event(self, a: int, b: int, t: float, end: float, stalls: int) -> None:
         """Parties a and b touch at time t: resolve it with everything that is joined to them, and go on from there."""
-        arena = self.arena
         bodies = self._joined(a, b)
         self.holder.ledger.close(t, self.books, bodies)
         self._bring(np.union1d(bodies, [a, b]), t)
@@ -123,10 +125,6 @@ class Engine:
         stays = ~(fresh & (outcome.speed > 0.0))
         contacts["impulse"][outcome.struck] = 0.0
         return contacts[stays]
-
-    def _correct(self, contacts: np.ndarray) -> np.ndarray:
-        """Take away overlaps of the contacts by small shifts of the bodies that do not touch their velocities."""
-        return self.corrector.correct(contacts)
 
     def _bring(self, which: np.ndarray, t: float) -> None:
         for body, row in self.arena.bring(np.asarray(which, dtype=np.int64), t, self.books):

@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.collision.contact import CONTACT, approach
-from flowgmo.collision.shapes import place
-from flowgmo.collision.touching import ALIKE, NEAR, touching_points
+from flowgmo.collision.touching import ALIKE, NEAR, is_same, touching_points
 from flowgmo.collision.tree import near_pairs
 from flowgmo.kernel import inner, kernel
 from flowgmo.vectors import dot, norm, put, quad, sub, triple
@@ -36,15 +35,15 @@ def gather(sh, pairs, count, M, plan, touch, old, first_old, out, room, points):
         a, b = pairs[k, 0], pairs[k, 1]
         start = total
         size = min(sh.reach[a], sh.reach[b])
-        many = near_pairs(sh, a, M[a], b, M[b], touch[a, b] + KEPT * size, room)
+        many = near_pairs(
+            sh, a, (triple(M[a].p), quad(M[a].q)), b, (triple(M[b].p), quad(M[b].q)), touch[a, b] + KEPT * size, room
+        )  # fmt: skip
         most = max(most, many)
         for m in range(min(many, room.shape[0])):
             i, j = room[m, 0], room[m, 1]
-            fi = place(sh.pieces[i], triple(M[a].p), quad(M[a].q))
-            fj = place(sh.pieces[j], triple(M[b].p), quad(M[b].q))
             reach = min(sh.pieces[i].reach, sh.pieces[j].reach)
             kept = touch[a, b] + KEPT * reach
-            found, _, _ = touching_points(sh, i, fi, j, fj, (0.0, 0.0, 0.0), kept, points)
+            found, _, _ = touching_points(sh, i, M[a], j, M[b], (0.0, 0.0, 0.0), kept, points)
             for c in range(found):
                 deepest = max(deepest, -points[c].gap / reach)
                 match = _match(points[c], old, first_old[k, 0], first_old[k, 1], NEAR * reach)
@@ -76,7 +75,7 @@ def _match(point, old, first, last, near):
 @inner
 def _is_double(point, out, first, last, near):
     for c in range(first, min(last, out.size)):
-        if norm(sub(triple(out[c].point), triple(point.point))) <= near and dot(out[c].normal, point.normal) > ALIKE:
+        if is_same(triple(point.point), triple(point.normal), out[c], near):
             return True
     return False
 

@@ -15,11 +15,12 @@ import numpy as np
 from flowgmo.collision.arena import Arena
 from flowgmo.collision.gather import approaches, no_contacts
 from flowgmo.collision.ledger import Ledger
+from flowgmo.collision.persistent import IMPOSSIBLE, solve
 from flowgmo.collision.respond import free_twists, set_paths
 
 TURN = 0.05  # rad that a held body turns in one leg: the error of its path is a part of TURN³ of its size
 FALL = 1e-3  # of a body's reach that gravity moves it in one leg
-TOLERANCE = 1e-11  # of the largest impulse: what remains when the forces count as found
+TOLERANCE = 1e-10  # of the largest free normal speed: what remains when the forces count as found
 MOST_SWEEPS = 2000
 PARTING = 1e-9  # of the largest change of normal speed in the leg: a smaller speed is round-off of the solution
 
@@ -34,6 +35,7 @@ class Holder:
         self.load_books = np.zeros((n, 4))
         self.hits = np.zeros((0, 7))
         self.ledger = Ledger(arena)
+        self.sweeps, self.solved, self.impossible = 0, 0, 0  # for the log: sweeps of all solutions, how many, in vain
         self.worst = 0.0  # largest residual so far, for the log
 
     def longest_leg(self, contacts: np.ndarray) -> float:
@@ -82,6 +84,14 @@ class Holder:
         if not len(contacts):
             return no_contacts()
         return self._staying(contacts, start, now, end)
+
+    def _solve(self, contacts: np.ndarray, bias: np.ndarray) -> None:
+        """Contact impulses over the leg; self.ends become the twists with them."""
+        sweeps, residual, status = solve(contacts, bias, self.arena.responses, self.ends, TOLERANCE, MOST_SWEEPS)
+        self.sweeps += sweeps
+        self.solved += 1
+        self.worst = max(self.worst, residual)
+        self.impossible += status == IMPOSSIBLE
 
     def _staying(self, contacts: np.ndarray, start: np.ndarray, now: float, end: float) -> np.ndarray:
         """The contacts that push, or touch without parting; their work goes to the ledger."""

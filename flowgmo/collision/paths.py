@@ -131,35 +131,3 @@ def motion_bounds(body, row, path, bound, span):
     rate = bound.spread * rate + bound.turn_gain * span
     alpha = bound.turn_gain + bound.unevenness * rate * rate
     return rate, alpha, bound.gain + bound.lever * (alpha + rate * rate)
-
-
-@kernel
-def extents(which, sweep, A, M, P, bounds, reach, out):
-    """Boxes (n, 6) of the bodies `which`: lowest and highest corner of all that they may touch in the coming sweep [time].
-
-    reach (n,): radius of a ball about B that holds the body. Rows of M stand at the starts of the paths.
-    """
-    for k in range(which.size):
-        b = which[k]
-        row = M[b]
-        _, _, most = motion_bounds(A[b], row, P[b], bounds[b], sweep)
-        mean = (0.0, 0.0, 0.0)
-        spread = 0.0
-        if A[b].motion != STILL and P[b].mode != ASLEEP:
-            if P[b].mode == HELD and A[b].hinge == 0:
-                mean = triple(P[b].acc)  # constant: a parabola, which bulges by |a| t²/8 over its chord
-                spread = 0.125 * norm(mean) * sweep * sweep
-            elif P[b].mode == FREE and A[b].motion == 1:
-                mean = triple(A[b].gravity)
-                spread = 0.125 * norm(mean) * sweep * sweep
-            else:
-                spread = 0.5 * most * sweep * sweep
-        far = spread + reach[b] * (1.0 + 1e-9)  # rounding must not lose a touch
-        for i in range(3):
-            x = row.p[i]
-            y = x
-            if A[b].motion != STILL and P[b].mode != ASLEEP:
-                y += (row.v[i] + 0.5 * mean[i] * sweep) * sweep
-            rounding = 1e-14 * (abs(x) + abs(y))
-            out[b, i] = min(x, y) - far - rounding
-            out[b, 3 + i] = max(x, y) + far + rounding

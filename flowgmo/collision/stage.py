@@ -33,12 +33,25 @@ class Collisions:
     @property
     def engine(self):  # noqa: ANN201 (engine.Engine: importing it loads its kernels)
         if self._engine is None:
-            from flowgmo.collision.arena import Arena
-            from flowgmo.collision.engine import Engine
-            from flowgmo.collision.laws import choose_law
-
-            self._engine = Engine(Arena(self.model, self.arrays, self.laws), choose_law(self.model.contacts))
+            self._engine = _make_engine(self.model, self.arrays, self.laws)
         return self._engine
+
+
+def _make_engine(model: Model, arrays: np.ndarray, laws: Laws | None):  # noqa: ANN202 (Engine or MicroEngine)
+    """The engine with the search, the laws and the treatment of rest that the deck chose."""
+    from flowgmo.collision.arena import Arena
+    from flowgmo.collision.laws import choose_law
+
+    arena, law = Arena(model, arrays, laws), choose_law(model.contacts)
+    if model.contacts.search == "grid":
+        from flowgmo.collision.grid_watch import GridWatch as Search
+    else:
+        from flowgmo.collision.watch import Watch as Search
+    if model.contacts.resting == "micro":
+        from flowgmo.collision.micro import MicroEngine as Chosen
+    else:
+        from flowgmo.collision.engine import Engine as Chosen
+    return Chosen(arena, law, Search(arena))
 
 
 def move_colliding(world: World, state: State, t1: float, room: Room) -> None:

@@ -22,7 +22,7 @@ from flowgmo.collision.contact import CONTACT
 from flowgmo.collision.convex import separation, support_gap
 from flowgmo.collision.paths import motion_bounds, pose_at
 from flowgmo.collision.shapes import place
-from flowgmo.collision.touching import ALIKE, MOST_POINTS, NEAR, touching_points
+from flowgmo.collision.touching import MOST_POINTS, NEAR, is_same, touching_points
 from flowgmo.collision.tree import near_pairs
 from flowgmo.kernel import inner, kernel
 from flowgmo.vectors import dot, norm, quad, sub, triple
@@ -97,17 +97,16 @@ def is_held(point, held, first, last, near):
     for c in range(first, last):
         if held[c].feature == point.feature:
             return True
-        if norm(sub(triple(held[c].point), triple(point.point))) <= near:
-            if dot(held[c].normal, point.normal) > ALIKE:
-                return True
+        if is_same(triple(point.point), triple(point.normal), held[c], near):
+            return True
     return False
 
 
 @inner
 def _new_gap(sh, i, j, A, laws, M, P, T, t, n, within, held, first, last, points, hits):
     """Smallest gap at time t of a contact point of the two pieces that is not held; infinity: none within; and n."""
-    fi, fj = look(sh, i, j, A, laws, M, P, T, t, hits)
-    count, s, n = touching_points(sh, i, fi, j, fj, n, within, points)
+    look(sh, i, j, A, laws, M, P, T, t, hits)
+    count, s, n = touching_points(sh, i, T[sh.pieces[i].body], j, T[sh.pieces[j].body], n, within, points)
     if s > within:
         return s, n
     near = NEAR * min(sh.pieces[i].reach, sh.pieces[j].reach)
@@ -180,7 +179,7 @@ def next_events(sh, pairs, count, A, laws, M, P, bounds, T, now, end, touch, hel
         pose_at(A[a], M[a], P[a], laws, now, T[a], hits)
         pose_at(A[b], M[b], P[b], laws, now, T[b], hits)
         within = _way(sh, a, b, A, T, P, bounds, now, end) + touch[a, b]
-        many = near_pairs(sh, a, T[a], b, T[b], within, room)
+        many = near_pairs(sh, a, (triple(T[a].p), quad(T[a].q)), b, (triple(T[b].p), quad(T[b].q)), within, room)
         most = max(most, many)
         times[k] = NEVER
         sure[k] = 1

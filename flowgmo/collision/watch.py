@@ -9,12 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.collision.arena import Arena
+from flowgmo.collision.extents import pairs_of_boxes, sweep_boxes
 from flowgmo.collision.contact import CONTACT
-from flowgmo.collision.gather import gather
-from flowgmo.collision.paths import extents
+from flowgmo.collision.gather import KEPT, gather
 from flowgmo.collision.sweep import next_events
 from flowgmo.collision.touching import MOST_POINTS
-from flowgmo.collision.tree import overlapping
 
 NEVER = np.inf
 
@@ -22,11 +21,14 @@ NEVER = np.inf
 class Watch:
     """Pairs and their next events in the present leg."""
 
+    located = True  # contacts are found at their times: what overlaps has drifted
+
     def __init__(self, arena: Arena) -> None:
         self.arena = arena
         n = len(arena.bodies)
         self.boxes = np.empty((n, 6))
         self.all = np.arange(n)
+        self.order = np.arange(n)
         self.room = np.zeros((64, 2), dtype=np.int64)
         self.list = np.zeros((64, 2), dtype=np.int64)
         self.out = np.zeros(256, CONTACT)
@@ -37,9 +39,13 @@ class Watch:
         self.sure = np.zeros(0, dtype=np.int64)
         self.deepest = 0.0
         # two that an impulse cannot move, or that may not collide, are never a pair
-        self.allowed = arena.plan["allowed"].astype(np.int64)
+        self.allowed = arena.plan["allowed"].astype(bool)
         still = arena.movable == 0
-        self.allowed[np.ix_(still, still)] = 0
+        self.allowed[np.ix_(still, still)] = False
+
+    def longest(self) -> float:
+        """No bound on a leg comes from here."""
+        return NEVER
 
     def touching(self, held: np.ndarray) -> np.ndarray:
         """All contacts of the moment; the rows of arena.motion stand at one time. held: those before."""
@@ -83,11 +89,11 @@ class Watch:
 
     def _boxes(self, which: np.ndarray, sweep: float) -> None:
         a = self.arena
-        extents(which, sweep, a.bodies, a.motion, a.paths, a.bounds, a.reach, self.boxes)
+        sweep_boxes(which, sweep, a.shapes, a.bodies, a.motion, a.paths, a.bounds, KEPT, self.boxes)
 
     def _overlapping(self) -> np.ndarray:
         while True:
-            count = overlapping(self.boxes, self.allowed, self.list)
+            count = pairs_of_boxes(self.boxes, self.allowed, self.order, self.list)
             if count <= len(self.list):
                 pairs = self.list[:count]
                 return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
@@ -99,7 +105,7 @@ class Watch:
         for body in bodies:
             box = self.boxes[body]
             meets = (box[:3] <= self.boxes[:, 3:]).all(axis=1) & (self.boxes[:, :3] <= box[3:]).all(axis=1)
-            others = np.flatnonzero(meets & (self.allowed[body] == 1))
+            others = np.flatnonzero(meets & self.allowed[body])
             found.append(np.stack([np.minimum(others, body), np.maximum(others, body)], 1))
         return np.unique(np.concatenate(found), axis=0) if found else np.zeros((0, 2), dtype=np.int64)
 

@@ -73,7 +73,7 @@ FLOWGMO = """
 IMPACT | char | | 'exact' | - | 'exact' 'euler' | - | \
     one impact: solved exactly, or with fixed steps of the impulse as in the report
 DPFRAC | real | | 0.01 | - | > 0 | - | step of 'euler' as a part of the estimated impulse
-SEARCH | char | | 'surface' | - | 'surface' 'grid'* | - | \
+SEARCH | char | | 'surface' | - | 'surface' 'grid' | - | \
     contacts found on the true surfaces, or at mesh nodes as in the report
 MULTIPLE | char | | 'simultaneous' | - | 'simultaneous' 'sequential' | - | \
     touching contacts resolved together or in turn

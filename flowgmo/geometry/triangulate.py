@@ -30,16 +30,17 @@ def triangles(component: Component, resolution: int, clip: np.ndarray | None) ->
     clipped = clip is not None and bool((bounds[0] < clip[0]).any() or (bounds[1] > clip[1]).any())
     if not clipped:
         refuse_unbounded(bounds)
-        mesh = _own(component, resolution)
-        return mesh if mesh is not None else _contour(component, bounds, None, resolution)
+        mesh = own_faces(component, resolution)
+        return mesh if mesh is not None else contour(component, bounds, None, resolution)
     boxes = _clipped_boxes(component, np.asarray(clip, float))
     if boxes is not None:
         return _joined([box.faces(resolution) for box in boxes])
     low, high = np.maximum(bounds[0], clip[0]), np.minimum(bounds[1], clip[1])
-    return _contour(component, np.array([low, high]), Box(*np.asarray(clip, float)), resolution)
+    return contour(component, np.array([low, high]), Box(*np.asarray(clip, float)), resolution)
 
 
-def _own(component: Component, resolution: int) -> Mesh | None:
+def own_faces(component: Component, resolution: int) -> Mesh | None:
+    """The closed forms' triangles, on the surface with all their vertices; None where contouring must do."""
     if component.merged is not None:
         return component.merged.faces(resolution)
     solids = component.solids
@@ -73,7 +74,7 @@ def _clipped_boxes(component: Component, clip: np.ndarray) -> list[Box] | None:
     return cut
 
 
-def _contour(component: Component, bounds: np.ndarray, clip: Box | None, resolution: int) -> Mesh:
+def contour(component: Component, bounds: np.ndarray, clip: Box | None, resolution: int) -> Mesh:
     """Dual contouring in a grid around bounds (2,3), one cell wider on every side."""
 
     def inside(x: np.ndarray) -> np.ndarray:

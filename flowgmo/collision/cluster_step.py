@@ -1,0 +1,205 @@
+"""One step of a cluster of springs: implicit, of second order, exact in energy. The law stands in clusters.py.
+
+Known at the start: velocities v, energies E of the springs, depths δ = ((1 + η) E)^(1/(1+η)) and forces f = δ^η (the
+scaled, equal stiffness is 1). Wanted: impulses Δ of all contacts, with the end velocities v' = v + K Δ. Every contact
+goes straight from v to v', so its mean work per impulse is known by hand, with 1/e² on the part where it opens:
+
+    taken(v, v') = ½ (v + v')            both closing
+                   ½ (v + v') / e²       both opening
+                   (v'²/e² - v²) / (2 (v' - v))   from closing to opening, and alike from opening to closing
+
+    depth   δ' = δ - h taken,     normal impulse  Δn = h × mean of δ^η over the straight way from δ to δ' (Simpson)
+    energy  E' = E - taken Δn;    a spring that would end below zero gives Δn = E / taken instead: it ends, exactly
+
+The bodies' kinetic energy changes by ½ (v + v')·Δ, the same quadratic form: nothing is created by the size of the step.
+The tangential parts of Δ come from friction.coulomb. All together are found by sweeps over the active contacts, each
+seeing the latest end velocities; the normal part contracts by (h ω)²/4 a sweep.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.collision.friction import coulomb
+from flowgmo.kernel import inner
+
+ROUND_OFF = 1e-13  # change of a velocity, in v_ref, that a sweep may leave; sums of some hundred contacts round to it
+SLOWEST = 0.1  # e below it does not shorten the steps further: its whole release carries less than 1 % of the energy
+
+COARSEST = 0.3  # h ω that is never exceeded: ten steps a swing, sweeps contract by 0.02
+
+
+@inner
+def power(depth, eta):
+    """Force of a spring, depth^eta."""
+    if eta == 1.5:
+        return depth * np.sqrt(depth)
+    if eta == 1.0:
+        return depth
+    return depth**eta
+
+
+@inner
+def taken(v, w, rate):
+    """Energy that a spring loses per impulse while its velocity goes from v to w; rate = 1/e² where it opens."""
+    if v <= 0.0:
+        if w <= 0.0:
+            return 0.5 * (v + w)
+        return 0.5 * (rate * w * w - v * v) / (w - v)
+    if w >= 0.0:
+        return 0.5 * rate * (v + w)
+    return 0.5 * (rate * v * v - w * w) / (v - w)
+
+
+@inner
+def _normal_impulse(s, h, eta):
+    """Normal impulse of a spring in the step h, with the end velocity known so far."""
+    work = taken(s.v[2], s.end[2], s.rate)
+    depth = s.depth - h * work
+    if depth <= 0.0:
+        return s.stored / work if work > 0.0 else 0.0
+    p = h * (s.force + 4.0 * power(0.5 * (s.depth + depth), eta) + power(depth, eta)) / 6.0
+    return s.stored / work if work * p > s.stored else p
+
+
+@inner
+def _give(springs, links, j, x, y, z, rough):
+    """Add the impulse (x, y, z) of contact j to its dp and to the end velocities of all it reaches."""
+    s = springs[j]
+    if not rough:
+        s.dp[2] += z
+        s.end[2] += s.own[2, 2] * z
+        for i in range(s.first, s.last):
+            springs[links[i].to].end[2] += links[i].k[2, 2] * z
+        return
+    s.dp[0] += x
+    s.dp[1] += y
+    s.dp[2] += z
+    for r in range(3):
+        s.end[r] += s.own[r, 0] * x + s.own[r, 1] * y + s.own[r, 2] * z
+    for i in range(s.first, s.last):
+        k = links[i].k
+        other = springs[links[i].to]
+        for r in range(3):
+            other.end[r] += k[r, 0] * x + k[r, 1] * y + k[r, 2] * z
+
+
+@inner
+def _wanted(s, h, eta):
+    """The impulse that one contact wants in the step h, all others as they are."""
+    z = _normal_impulse(s, h, eta)
+    if s.mu == 0.0:
+        return 0.0, 0.0, z
+    dz = z - s.dp[2]
+    bx = s.end[0] - s.own[0, 0] * s.dp[0] - s.own[0, 1] * s.dp[1] + s.own[0, 2] * dz
+    by = s.end[1] - s.own[1, 0] * s.dp[0] - s.own[1, 1] * s.dp[1] + s.own[1, 2] * dz
+    x, y = coulomb(s.own[0, 0], s.own[1, 1], s.own[0, 1], s.v[0], s.v[1], bx, by, s.mu * z)
+    return x, y, z
+
+
+@inner
+def _guess(s, h, eta):
+    """Impulse of a step to begin with: the force half a step on, tilted as the last step's; clears dp."""
+    z = h * power(max(s.depth - 0.5 * h * s.v[2], 0.0), eta)
+    tilt = z / s.dp[2] if s.dp[2] > 0.0 else 0.0
+    x, y = tilt * s.dp[0], tilt * s.dp[1]
+    s.dp[0] = 0.0
+    s.dp[1] = 0.0
+    s.dp[2] = 0.0
+    return x, y, z
+
+
+@inner
+def try_step(springs, links, active, count, h, eta, rough, sweeps, enough):
+    """Find dp and end of a step of length h. Returns how much the last sweep still changed a velocity [v_ref].
+
+    active[:count]: contacts that act. sweeps: at most so many; enough: change at which they stop.
+    """
+    for i in range(springs.shape[0]):
+        s = springs[i]
+        for r in range(3):
+            s.end[r] = s.v[r]
+    change = 0.0
+    for sweep in range(sweeps + 1):
+        change = 0.0
+        for i in range(count):
+            s = springs[active[i]]
+            if sweep == 0:
+                x, y, z = _guess(s, h, eta)
+            else:
+                x, y, z = _wanted(s, h, eta)
+                x -= s.dp[0]
+                y -= s.dp[1]
+                z -= s.dp[2]
+                change = max(change, max(s.own[2, 2] * abs(z), max(s.own[0, 0] * abs(x), s.own[1, 1] * abs(y))))
+            _give(springs, links, active[i], x, y, z, rough)
+        if sweep > 0 and change <= enough:
+            break
+    return change
+
+
+@inner
+def reaches(springs, links, active, count):
+    """Σ |K_nn| over active contacts, for each active one: bounds how fast a common swing of the springs can be."""
+    for i in range(count):
+        s = springs[active[i]]
+        s.reach = abs(s.own[2, 2])
+        for k in range(s.first, s.last):
+            if springs[links[k].to].active == 1:
+                s.reach += abs(links[k].k[2, 2])
+
+
+@inner
+def step_length(springs, active, count, last, eta, fraction):
+    """The step h with h ω <= x, ω² <= max of reach × force gradient / e² (Gershgorin on the columns of K f').
+
+    x = fraction at first, and more when what is still going on is slow: an error of x² counts by the speed that it
+    changes. last: the step before, 0 at the start, where all depths are zero: then h = depth / |v| of each alone.
+    """
+    fastest = 0.0
+    speed = 0.0
+    for i in range(count):
+        s = springs[active[i]]
+        v = s.v[2]
+        speed = max(speed, max(v * v, 2.0 * s.own[2, 2] * s.stored))
+        if last == 0.0:
+            if v < 0.0:
+                h = (fraction * fraction / (s.reach * eta * (-v) ** (eta - 1.0))) ** (1.0 / (1.0 + eta))
+                fastest = max(fastest, 1.0 / (h * h))
+            continue
+        depth = s.depth + max(-v, 0.0) * last
+        rate = min(s.rate, 1.0 / (SLOWEST * SLOWEST)) if v > 0.0 else 1.0
+        if depth > 0.0:
+            fastest = max(fastest, rate * s.reach * eta * power(depth, eta) / depth)
+    if last == 0.0:
+        return 1.0 / np.sqrt(fastest)
+    h = 2.0 * last  # the estimate above assumes a depth of the last step's size: grow gently
+    if fastest == 0.0:
+        return h
+    x = max(fraction, min(fraction / np.sqrt(np.sqrt(speed)), COARSEST))
+    return min(h, x / np.sqrt(fastest))
+
+
+@inner
+def accept(springs, active, count, eta):
+    """Make the tried step real: impulses, energies, velocities, losses."""
+    for i in range(count):
+        s = springs[active[i]]
+        v, w = s.v[2], s.end[2]
+        work = taken(v, w, s.rate)
+        left = max(s.stored - work * s.dp[2], 0.0)
+        if s.rate == 0.0 and w >= -10.0 * ROUND_OFF:  # e = 0: at the end of compression all is lost
+            left = 0.0
+        if work > 0.0 and left <= 1e-12 * s.stored:  # an ended spring, within round-off
+            left = 0.0
+        s.loss += s.stored - left
+        s.stored = left
+        for r in range(3):
+            s.loss -= 0.5 * (s.v[r] + s.end[r]) * s.dp[r]
+            s.p[r] += s.dp[r]
+        s.depth = ((1.0 + eta) * left) ** (1.0 / (1.0 + eta))
+        s.force = power(s.depth, eta)
+    for i in range(springs.shape[0]):
+        s = springs[i]
+        for r in range(3):
+            s.v[r] = s.end[r]

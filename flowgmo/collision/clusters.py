@@ -1,0 +1,189 @@
+"""Several contacts that touch, resolved together by the energy law of Liu, Zhao & Brogliato, with Coulomb friction.
+
+Law. Contact j stores the work of its compression, E_j, and the impulses of an instant share as the forces of equal
+springs f = k δ^η do (η 3/2 Hertz, 1 linear), which are powers of the energies:
+
+    dp_j / dp_i = (E_j / E_i)^(η/(1+η))
+    dE_j = -v_j dp_j  while it closes (v_j < 0),     dE_j = -v_j dp_j / e_j²  while it opens
+
+so that e_j² of what was stored comes back, and the contact is over when E_j = 0. It may close again while others still
+push; then it starts anew. With e_j = 0 all of E_j is lost at the moment when the closing ends. The cluster is over when
+nothing approaches and all E_j are zero. One contact alone gives Stronge's law.
+
+Regular form. In s_j = E_j^(1/(1+η)), up to a factor the depth δ_j, and the time t that the springs make (dp_j = f_j dt;
+their common stiffness only sets its unit, and is 1),
+
+    dδ_j/dt = -v_j (closing), -v_j / e_j² (opening),    dv/dt = K f,    f_j = δ_j^η, |f_t| <= μ_j f_j,    δ_j(0) = 0
+
+which also starts by itself: δ_j = -v_j t at first. The bodies do not move meanwhile. Friction opposes the slip, and
+holds where the cone allows.
+
+Steps (cluster_step.py) have h ω <= `fraction`, ω the fastest swing of the springs at that moment; the error falls with
+its square. The energy is exact at any step. Contacts that feel nothing (E_j = 0, v_j >= 0) are not touched.
+
+Sources: Liu, Zhao & Brogliato 2008, Proc. R. Soc. A 464, 3193; 2009, 465, 1; friction as in Jia & Wang 2017.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.collision.cluster_step import ROUND_OFF, accept, reaches, step_length, try_step
+from flowgmo.collision.coupling import any_rough, couple, no_gain, write_back
+from flowgmo.collision.friction import halt
+from flowgmo.collision.plastic import CLOSE, IN_VAIN, SOFT, largest_approach, settle, start_again, sweeps_for
+from flowgmo.kernel import inner
+from flowgmo.records import CLUSTER, SLIP, STICK
+
+# how a cluster can end
+DONE = 0
+UNFINISHED = 1  # the bound on steps was met: the rest was resolved as plastic
+IMPOSSIBLE = 2  # driven bodies leave no velocity without approach: least violation
+# phases: whether there is a velocity without approach; the law, and a plastic end for what was slow enough to be left,
+# locked, or unfinished; the least violation
+TRY, LAW, LEAST, END = 0, 1, 2, 3
+AT_REST = 1e-9  # approach [v_ref] that counts as none where e = 1: its energy is round-off
+NEARLY = 1e-3  # of the first approach × fraction, the same for e < 1: far below the error of the steps
+LOCKED = 1e-3  # speed, of the one that the stored energy can give, below which nothing moves
+SLACK = 1e-4  # change that sweeps may leave where there is friction, alike × fraction²: 1e-6 gives nothing better
+
+
+@inner
+def _collect(springs, active, nearly):
+    """Fill active with the contacts that store energy or approach, by more than nearly [v_ref] where e < 1.
+
+    Returns their number and whether the set is a new one.
+    """
+    count = np.int64(0)
+    changed = False
+    for i in range(springs.shape[0]):
+        s = springs[i]
+        least = AT_REST if s.rate == 1.0 else nearly
+        acts = 1 if s.own[2, 2] > 0.0 and (s.stored > 0.0 or s.v[2] < -least) else 0
+        if acts != s.active:
+            changed = True
+            s.active = acts
+            s.dp[0], s.dp[1], s.dp[2] = 0.0, 0.0, 0.0
+        if acts == 1:
+            active[count] = i
+            count += 1
+    return count, changed
+
+
+@inner
+def _earliest(springs, active, count, slack):
+    """Fraction of the tried step after which something changes that a step must not hold in its middle; 1: nothing.
+
+    A contact with e = 0 stops closing, or slip halts.
+    """
+    first = 1.0
+    for i in range(count):
+        s = springs[active[i]]
+        v, w = s.v[2], s.end[2]
+        if s.rate == 0.0 and v < 0.0 and w > ROUND_OFF:
+            first = min(first, v / (v - w))
+        if s.mu > 0.0:
+            first = min(first, halt(s, slack))
+    return first
+
+
+@inner
+def _locked(springs, active, count):
+    """Whether energy is stored and yet nothing moves: what one step moves must be far more at any other time."""
+    moves = 0.0
+    could = 0.0
+    for i in range(count):
+        s = springs[active[i]]
+        moves = max(moves, s.v[2] * s.v[2])
+        could = max(could, 2.0 * s.own[2, 2] * s.stored)
+    return moves < LOCKED * LOCKED * could
+
+
+@inner
+def _integrate(springs, links, eta, fraction, rough, most):
+    """Step until nothing is stored and nothing approaches, or what is stored cannot come out.
+
+    Returns whether `most` steps did. If not, and where it is locked, energy is still stored.
+    """
+    active = np.zeros(springs.shape[0], np.int64)
+    first_approach = largest_approach(springs)
+    slack = max(SLACK * fraction * fraction * first_approach, ROUND_OFF)
+    enough = slack if rough else ROUND_OFF
+    nearly = max(NEARLY * fraction * first_approach, 10.0 * ROUND_OFF)
+    h = 0.0
+    still = np.int64(0)
+    for _ in range(most):
+        count, changed = _collect(springs, active, nearly)
+        if count == 0:
+            return True
+        if changed:
+            reaches(springs, links, active, count)
+        still = still + 1 if _locked(springs, active, count) else 0
+        if still > 20:  # steps; where it turns without being locked it moves on at the next
+            return True
+        h = step_length(springs, active, count, h, eta, fraction)
+        part = h
+        for _ in range(30):  # regula falsi on a nearly straight line, and halvings where the sweeps do not settle
+            change = try_step(springs, links, active, count, part, eta, rough, 50, enough)
+            first = _earliest(springs, active, count, slack)
+            if not rough and change > 10.0 * enough and first == 1.0:
+                first = 0.5
+            if first == 1.0:
+                break
+            part *= first
+        accept(springs, active, count, eta)
+    return False
+
+
+@inner
+def _driven(contacts, responses, twists):
+    """Whether some party has a motion that no impulse changes."""
+    for i in range(contacts.shape[0]):
+        for party in (contacts[i].a, contacts[i].b):
+            r, t = responses[party], twists[party]
+            for k in range(3):
+                if (r.wt[k] == 0.0 and t.v[k] != 0.0) or (r.wr[k] == 0.0 and t.w[k] != 0.0):
+                    return True
+    return False
+
+
+@inner
+def resolve(contacts, responses, twists, eta, fraction):
+    """Resolve contacts (m,) of CONTACT that touch, together.
+
+    responses, twists (n,): of the parties; eta [-]: exponent of the springs; fraction [-]: step h ω, 0.03 gives
+    velocities to 1e-4, and 0.01 to 1e-5. Writes impulse, regime, loss of the contacts and the twists after. Returns
+    status and the largest approach speed that is left [length/time]. ½ (v⁻ + v⁺)·J summed, which is the change of the
+    kinetic energy where no party is driven, does not rise and is minus the sum of the losses; |Jt| <= μ Jn.
+    """
+    rough = any_rough(contacts)
+    m = contacts.shape[0]
+    springs, links, v_ref, k_ref = couple(contacts, responses, twists, rough)
+    status = DONE
+    phase = TRY if _driven(contacts, responses, twists) else LAW
+    if k_ref == 0.0:
+        status = IMPOSSIBLE if largest_approach(springs) > 0.0 else DONE
+        phase = END
+    while phase != END:  # a loop, because each place that calls compiles its own copy of what it calls
+        if phase == LAW:
+            if not _integrate(springs, links, eta, fraction, rough, int((200.0 + 20.0 * m) / fraction)):
+                status = UNFINISHED  # a swing takes 3 / fraction steps, a wave through m contacts m swings
+            if largest_approach(springs) <= ROUND_OFF:
+                break
+        left = settle(springs, links, sweeps_for(m), SOFT if phase == LEAST else 0.0, CLOSE)
+        if phase == LEAST:
+            status = IMPOSSIBLE
+        if phase == LEAST or (phase == LAW and left <= IN_VAIN):
+            break
+        start_again(springs)
+        phase = LEAST if left > IN_VAIN else LAW
+    no_gain(springs)
+    write_back(springs, contacts, responses, twists, v_ref, k_ref if k_ref > 0.0 else 1.0)
+    for i in range(m):
+        contacts[i].regime = CLUSTER
+    if m == 1:
+        slip = springs[0].v[0] * springs[0].v[0] + springs[0].v[1] * springs[0].v[1]
+        contacts[0].regime = (
+            STICK if contacts[0].mu > 0.0 and slip <= (100.0 * SLACK * fraction * fraction) ** 2 else SLIP
+        )
+    return status, largest_approach(springs) * v_ref

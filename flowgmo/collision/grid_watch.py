@@ -1,0 +1,87 @@
+"""Contacts found on the mesh (search_grid.py), with the interface of watch.Watch: no events, only what is there now.
+
+No body point may cross more than half a cell between two looks; `longest` tells the engine how far it may go.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.collision.arena import Arena
+from flowgmo.collision.contact import CONTACT
+from flowgmo.collision.extents import pairs_of_boxes, sweep_boxes
+from flowgmo.collision.search_grid import grid_contacts
+from flowgmo.collision.shapes import PIECE
+
+NEVER = np.inf
+HALF_CELL = 0.5
+
+
+class GridWatch:
+    """What lies in both bodies of a pair, on the nodes of the deck's mesh."""
+
+    located = False  # contacts are seen late by up to a cell: overlaps are not corrected
+
+    def __init__(self, arena: Arena) -> None:
+        self.arena = arena
+        n = len(arena.bodies)
+        probe = np.zeros(1, PIECE)
+        probe["axes"] = np.eye(3)
+        self.pieces = np.concatenate([arena.shapes.pieces, probe])
+        self.planes = arena.model.mesh.blocks[0].planes
+        self.cell = min(float(np.diff(p).min()) for p in self.planes)
+        self.boxes, self.all, self.order = np.empty((n, 6)), np.arange(n), np.arange(n)
+        self.list = np.zeros((max(64, n), 2), dtype=np.int64)
+        self.out = np.zeros(64, CONTACT)
+        self.allowed = arena.plan["allowed"].astype(bool)
+        still = arena.movable == 0
+        self.allowed[np.ix_(still, still)] = False
+
+    def longest(self) -> float:
+        """Time in which the fastest body point crosses half a cell [time]."""
+        arena = self.arena
+        rows = arena.motion[arena.movers]
+        reach = np.where(np.isfinite(arena.reach[arena.movers]), arena.reach[arena.movers], 0.0)
+        speed = np.linalg.norm(rows["v"], axis=1) + np.linalg.norm(rows["w"], axis=1) * reach
+        fastest = float(speed.max(initial=0.0))
+        half = HALF_CELL * self.cell
+        if arena.gravity > 0.0:  # half = v t + g t²/2
+            return 2.0 * half / (fastest + np.sqrt(fastest**2 + 2.0 * arena.gravity * half))
+        return half / fastest if fastest > 0.0 else NEVER
+
+    def touching(self, held: np.ndarray) -> np.ndarray:
+        """All contacts of the moment: at most one a pair. held: those before, whose impulses are the first guess."""
+        a = self.arena
+        sweep_boxes(self.all, 0.0, a.shapes, a.bodies, a.motion, a.paths, a.bounds, 0.0, self.boxes)
+        while True:
+            count = pairs_of_boxes(self.boxes, self.allowed, self.order, self.list)
+            if count <= len(self.list):
+                break
+            self.list = np.zeros((2 * count, 2), dtype=np.int64)
+        if count > len(self.out):
+            self.out = np.zeros(2 * count, CONTACT)
+        pairs = self.list[:count]
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        total = grid_contacts(
+            a.shapes, self.pieces, pairs, count, self.boxes, a.motion, a.plan, *self.planes, self.out
+        )  # fmt: skip
+        contacts = self.out[:total].copy()
+        self._remember(contacts, held)
+        return contacts
+
+    def _remember(self, contacts: np.ndarray, held: np.ndarray) -> None:
+        """A pair that was held before keeps its impulse and its age."""
+        n = len(self.arena.bodies)
+        keys = held["a"] * n + held["b"]
+        for contact in contacts:
+            found = np.flatnonzero(keys == contact["a"] * n + contact["b"])
+            if found.size:
+                contact["fresh"], contact["age"] = 0, held["age"][found[0]]
+                contact["impulse"] = held["impulse"][found[0]]
+
+    def start(self, held: np.ndarray, now: float, end: float) -> None:
+        """Nothing to predict."""
+
+    def next(self) -> tuple[float, int, int]:
+        """No event between two looks."""
+        return NEVER, -1, -1

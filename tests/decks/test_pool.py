@@ -1,0 +1,42 @@
+"""decks/pool: the break on a table, report 4.3."""
+
+import numpy as np
+
+
+def test_smooth(runs):
+    # Speeds at 0.16 s as in decks/rack times 0.8. `lift` and `depth`: nothing acts up or down but the slate; 1e-12 m
+    # would reveal bounces of balls that rest. Energy: e = 1 keeps it through some hundred impacts.
+    bounds = {"balls on the table": 0, "depth in the slate": 1e-12, "energy added": 1e-9, "lift": 1e-12}
+    speeds = {name: 1e-3 for name in runs.measure.reference("pool", "smooth") if name.startswith("speed")}
+    runs.agree("pool", "smooth", bounds | speeds)
+
+
+def test_smooth_keeps_its_energy(runs):
+    kinetic = runs.curves("pool", "smooth").energy["kinetic"]
+    assert np.abs(kinetic / kinetic[0] - 1.0).max() <= 1e-9
+
+
+def test_smooth_is_symmetric_until_chaos(runs):
+    # Until the corner balls meet the cushions: 1e-10 m. The deck is its own mirror image.
+    curves = runs.curves("pool", "smooth")
+    row = curves.row(0.2)
+    for one, two in (("ball2", "ball3"), ("ball7", "ball10"), ("ball11", "ball15"), ("ball12", "ball14")):
+        left, right = (curves.bodies[ball]["position"][: row + 1] for ball in (one, two))
+        assert np.abs(left - right * [1.0, -1.0, 1.0]).max() <= 1e-10
+
+
+def test_break(runs):
+    # 1e-9 m and 1e-9 of the cue's energy: real balls may hop (friction between them acts up and down) but never sink,
+    # and no impact and no rolling adds energy.
+    runs.agree("pool", "break", {"balls on the table": 0, "depth in the slate": 1e-9, "energy added": 1e-9})
+
+
+def test_break_rolls_at_the_end(runs):
+    # After 5 s the balls that touch the slate and nothing else roll: slip below 1e-6 of the break's 8 m/s.
+    curves = runs.curves("pool", "break")
+    for ball in curves.bodies:
+        position, v, w = (curves.at(ball, quantity) for quantity in ("position", "velocity", "angular_velocity"))
+        if position[2] > 0.028575 + 1e-9:
+            continue
+        slip = v + np.cross(w, [0.0, 0.0, -0.028575])
+        assert np.linalg.norm(slip[:2]) <= 8e-6
