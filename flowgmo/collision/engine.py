@@ -27,6 +27,7 @@ from flowgmo.errors import StepFailed
 from flowgmo.world import Room
 
 MOST_EVENTS = 1_000_000  # in one step
+AT_ONCE = 1e-6  # of a leg: events nearer to each other than this count as at one time
 STALLED = 50  # events of one pair at one time after which its impacts are plastic; ten times more: left until later
 
 
@@ -45,6 +46,7 @@ class Engine:
         """Bring room.motion (n,) from t0 to t1 through all impacts; room gets rows, records and books."""
         self.arena.load(room.motion, t0)
         self.room, self.books, self.step, self.row = room, np.zeros(4), t1 - t0, 0
+        self.holder.leg = self.step
         now = t0
         while now < t1:
             now = self._leg(now, t1)
@@ -79,7 +81,7 @@ class Engine:
             if t >= end:
                 return
             met += 1
-            stalls = stalls + 1 if t <= last else 0
+            stalls = stalls + 1 if t - last <= AT_ONCE * (end - now) else 0
             last = max(t, last)
             if met > MOST_EVENTS:
                 raise StepFailed(
@@ -122,9 +124,9 @@ class Engine:
         outcome = self.striker.strike(contacts, t, span, plastic, self.books)
         self.room.impacts.extend(outcome.records)
         fresh = outcome.struck | (contacts["fresh"] == 1)
-        stays = ~(fresh & (outcome.speed > 0.0))
+        parts = fresh & (outcome.speed > 0.0) & ~self.striker.returns(contacts, outcome.speed, span)
         contacts["impulse"][outcome.struck] = 0.0
-        return contacts[stays]
+        return contacts[~parts]
 
     def _bring(self, which: np.ndarray, t: float) -> None:
         for body, row in self.arena.bring(np.asarray(which, dtype=np.int64), t, self.books):

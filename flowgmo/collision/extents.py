@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from flowgmo.bodies.arrays import BALLISTIC, STILL
 from flowgmo.collision.broad import overlapping
 from flowgmo.collision.paths import ASLEEP, FREE, HELD, motion_bounds

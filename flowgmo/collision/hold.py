@@ -36,6 +36,7 @@ class Holder:
         self.hits = np.zeros((0, 7))
         self.ledger = Ledger(arena)
         self.sweeps, self.solved, self.impossible = 0, 0, 0  # for the log: sweeps of all solutions, how many, in vain
+        self.leg = np.inf  # length of the step [time]
         self.worst = 0.0  # largest residual so far, for the log
 
     def longest_leg(self, contacts: np.ndarray) -> float:
@@ -65,13 +66,14 @@ class Holder:
         arena.respond(parties)
         start = arena.twists.copy()
         free_twists(
-            parties, arena.bodies, arena.motion, arena.paths, arena.laws, arena.spare, arena.responses, end,
+            parties, arena.bodies, arena.motion, arena.paths, arena.laws, arena.spare, end,
             self.ends, self.load_books, self.hits,
         )  # fmt: skip
         pressed = np.zeros(len(arena.bodies), dtype=np.int64)
         if len(contacts):
             span = end - now
-            bias = np.maximum(contacts["gap"], 0.0) / span
+            # a gap left by drift closes within a whole leg, not within what is left of this one
+            bias = np.maximum(contacts["gap"], 0.0) / max(span, min(self.leg, self.longest_leg(contacts)))
             free = self.ends.copy()
             self._solve(contacts, bias)
             push = np.linalg.norm(contacts["impulse"], axis=1) > 0.0

@@ -12,7 +12,6 @@ import numpy as np
 
 from flowgmo.collision.single import strike_exactly, strike_in_steps
 from flowgmo.collision.together import strike_in_turn, strike_together
-from flowgmo.collision.single import strike_exactly, strike_in_steps
 from flowgmo.model import ContactPlan
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], object]

@@ -27,7 +27,7 @@ def set_all(which, A, M, responses, twists):
 
 
 @kernel
-def free_twists(which, A, M, P, laws, T, responses, end, out, books, hits):
+def free_twists(which, A, M, P, laws, T, end, out, books, hits):
     """Twists at time `end` of the parties `which` if nothing touched them from now on; out (n,) TWIST.
 
     Rows of M stand at now; their paths are FREE from here (P changed), T (n,) of POSE gets the poses then.
@@ -40,7 +40,10 @@ def free_twists(which, A, M, P, laws, T, responses, end, out, books, hits):
         for j in range(4):
             books[b, j] = 0.0
         run_path(A[b], T[b], P[b], laws, books[b], end, hits)
-        twist_of(A[b], T[b], responses[b], out[b])
+        put(out[b].v, (0.0, 0.0, 0.0))  # the centre of a hinged body does not move
+        if A[b].hinge == 0:
+            put(out[b].v, triple(T[b].v))  # that of another goes with it
+        put(out[b].w, triple(T[b].w))
 
 
 @kernel

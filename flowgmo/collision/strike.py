@@ -85,12 +85,15 @@ class Striker:
 
     def _settle(self, group: np.ndarray, speed: np.ndarray, span: float, plastic: bool) -> None:
         """Take e = 0 for fresh contacts whose bounces would all end within the span."""
-        pull = self._pull(group)
-        rebound = group["e"] * np.maximum(-speed, 0.0)
+        ends = self.returns(group, group["e"] * np.maximum(-speed, 0.0), span)
+        group["e"][(ends | plastic) & (group["e"] < 1.0)] = 0.0
+
+    def returns(self, contacts: np.ndarray, speed: np.ndarray, span: float) -> np.ndarray:
+        """(m,) whether contacts that part with `speed` [length/time] are at rest again within the span, bounces included."""
+        pull = self._pull(contacts)
         with np.errstate(divide="ignore", invalid="ignore"):
-            rest = 2.0 * rebound / (pull * (1.0 - group["e"]))
-        ends = (pull > 0.0) & (group["e"] < 1.0) & (rest < span)
-        group["e"][ends | (plastic & (group["e"] < 1.0))] = 0.0
+            rest = 2.0 * speed / (pull * (1.0 - contacts["e"]))
+        return (pull > 0.0) & (contacts["e"] < 1.0) & (rest < span)
 
     def _pull(self, group: np.ndarray) -> np.ndarray:
         """(k,) acceleration with which gravity presses each contact's sides together."""

@@ -146,6 +146,7 @@ def _closing_time(sh, i, j, A, laws, M, P, T, lo, gap_lo, hi, gap_hi, n, target,
     """Time between lo (open) and hi (overlap) at which the gap is between 0 and target, or as near as times can be."""
     aim = 0.5 * target
     halve = False
+    above = False  # seen open: before, a point that has just parted may still be within the target
     for _ in range(100):  # halving every other time reaches round-off of time in 100 looks
         if halve or gap_lo == NEVER:
             t = 0.5 * (lo + hi)
@@ -154,10 +155,11 @@ def _closing_time(sh, i, j, A, laws, M, P, T, lo, gap_lo, hi, gap_hi, n, target,
         if not lo < t < hi:
             break
         gap, _ = _new_gap(sh, i, j, A, laws, M, P, T, t, n, target, held, first, last, points, hits)
-        if 0.0 < gap <= target:
+        if 0.0 < gap <= target and above:
             return t
-        if gap > target:
+        if gap > 0.0:
             lo, gap_lo = t, gap
+            above = above or gap > target
         else:
             hi, gap_hi = t, gap
         halve = not halve

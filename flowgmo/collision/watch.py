@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.collision.arena import Arena
-from flowgmo.collision.extents import pairs_of_boxes, sweep_boxes
 from flowgmo.collision.contact import CONTACT
+from flowgmo.collision.extents import pairs_of_boxes, sweep_boxes
 from flowgmo.collision.gather import KEPT, gather
 from flowgmo.collision.sweep import next_events
 from flowgmo.collision.touching import MOST_POINTS

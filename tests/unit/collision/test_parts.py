@@ -6,9 +6,9 @@ from numba import njit
 
 from flowgmo.bodies.stops import first_crossing
 from flowgmo.collision.balls.distance import box_distance
-from flowgmo.collision.impact_exact import ball_impact
 from flowgmo.collision.balls.scene import FLAT
 from flowgmo.collision.balls.search import safe_step
+from flowgmo.collision.impact_exact import ball_impact
 
 
 @njit
