@@ -58,9 +58,9 @@ class Arena:
         self.paths[:] = 0
         self.paths["t"] = t
 
-    def respond(self, which: np.ndarray) -> None:
-        """Responses and twists of the parties `which` at their present poses."""
-        respond_all(which, self.bodies, self.motion, self.responses, self.twists)
+    def respond(self, which: np.ndarray, rows: np.ndarray | None = None) -> None:
+        """Responses and twists of the parties `which` at their present poses, or at those of rows (n+6,) of POSE."""
+        respond_all(which, self.bodies, self.motion if rows is None else rows, self.responses, self.twists)
 
     def bring(self, which: np.ndarray, t: float, books: np.ndarray) -> list[tuple[int, np.ndarray]]:
         """Bring parties to time t. Returns the stops they met: body and row of forced.note_hit."""
@@ -87,6 +87,15 @@ class Arena:
         from flowgmo.mesh import SIDE_NAMES
 
         return self.model.bodies[party].name if party < self.n else f"side {SIDE_NAMES[party - self.n]}"
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a × b of rows (m, 3): np.cross without its overhead."""
+    out = np.empty_like(a)
+    out[:, 0] = a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]
+    out[:, 1] = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]
+    out[:, 2] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return out
 
 
 def _pairs(model: Model) -> np.ndarray:

@@ -37,8 +37,8 @@ class Engine:
     def __init__(self, arena: Arena, law: Law, watch: Watch | GridWatch) -> None:
         self.arena = arena
         self.striker = Striker(arena, law)
-        self.holder = Holder(arena)
         self.watch = watch
+        self.holder = Holder(arena, watch)
         self.corrector = Corrector(arena)
         self.held = no_contacts()
 
@@ -124,7 +124,7 @@ class Engine:
         outcome = self.striker.strike(contacts, t, span, plastic, self.books)
         self.room.impacts.extend(outcome.records)
         fresh = outcome.struck | (contacts["fresh"] == 1)
-        parts = fresh & (outcome.speed > 0.0) & ~self.striker.returns(contacts, outcome.speed, span)
+        parts = fresh & self.striker.parts(contacts, outcome.speed, span)
         contacts["impulse"][outcome.struck] = 0.0
         return contacts[~parts]
 

@@ -88,7 +88,7 @@ def _store(point, a, b, pair, old, match, row):
     row.gap = point.gap
     row.e, row.mu = pair.e, pair.mu
     row.feature = point.feature
-    row.regime = 0
+    row.regime = match  # for watch.again; the impact sets it anew
     row.loss = 0.0
     row.fresh = 1
     row.age = 0.0

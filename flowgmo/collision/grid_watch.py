@@ -79,6 +79,10 @@ class GridWatch:
                 contact["fresh"], contact["age"] = 0, held["age"][found[0]]
                 contact["impulse"] = held["impulse"][found[0]]
 
+    def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts at other poses: the mesh does not see them move."""
+        return contacts[:0], np.zeros(0, dtype=np.int64)
+
     def start(self, held: np.ndarray, now: float, end: float) -> None:
         """Nothing to predict."""
 

@@ -4,6 +4,13 @@
     2  contact impulses so that no contact approaches then   persistent.solve, Coulomb friction with sticking
     3  constant forces over the leg: HELD paths              paths.py
 
+Normals and arms are those of the middle of the leg, found from the velocities at its start. The law is applied to
+
+    J_mid v(end) + (J_mid - J_start) v(start)       J: velocity of a's contact point relative to b's
+
+which is the velocity at the end with the normals and arms of the end, to second order: a point that was at rest on the
+other body at the start is so at the end, and a body that turns about an edge does not drift off it by h² per leg.
+
 Work of an impulse p over the leg is p · (u(start) + u(end)) / 2 with u the velocity at the contact: exact for
 velocities linear in time.
 """
@@ -12,11 +19,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena
+from flowgmo.collision.arena import Arena, cross
 from flowgmo.collision.gather import approaches, no_contacts
+from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.ledger import Ledger
 from flowgmo.collision.persistent import IMPOSSIBLE, solve
-from flowgmo.collision.respond import free_twists, set_paths
+from flowgmo.collision.respond import coast, free_twists, set_paths
+from flowgmo.collision.watch import Watch
 
 TURN = 0.05  # rad that a held body turns in one leg: the error of its path is a part of TURN³ of its size
 FALL = 1e-3  # of a body's reach that gravity moves it in one leg
@@ -25,11 +34,24 @@ MOST_SWEEPS = 2000
 PARTING = 1e-9  # of the largest change of normal speed in the leg: a smaller speed is round-off of the solution
 
 
+STILL_PART = 1e-9  # of its reach: a party that moves less in a leg touches as it did
+
+
+def relative(contacts: np.ndarray, arena: Arena, twists: np.ndarray) -> np.ndarray:
+    """Velocities (m, 3) of a's contact points relative to b's, with the centres of arena.responses."""
+    total = np.zeros((len(contacts), 3))
+    for side, sign in (("a", 1.0), ("b", -1.0)):
+        party = contacts[side]
+        arm = contacts["point"] - arena.responses["centre"][party]
+        total += sign * (twists["v"][party] + cross(twists["w"][party], arm))
+    return total
+
+
 class Holder:
     """Contact forces of the contacts that stay. held: those of the present legs, sorted by pair."""
 
-    def __init__(self, arena: Arena) -> None:
-        self.arena = arena
+    def __init__(self, arena: Arena, watch: Watch | GridWatch) -> None:
+        self.arena, self.watch = arena, watch
         n = len(arena.bodies)
         self.ends = np.zeros(n, arena.twists.dtype)
         self.load_books = np.zeros((n, 4))
@@ -57,12 +79,10 @@ class Holder:
     def hold(self, contacts: np.ndarray, which: np.ndarray, now: float, end: float) -> np.ndarray:
         """Set the paths of the parties `which` from now to end under the contacts (m,) that may press them.
 
-        Contacts with parties outside `which` take these as they are on their paths. Returns the contacts that stay,
-        with their impulses over the leg.
+        All movable parties of the contacts are among `which`. Returns the contacts that stay, with their impulses.
         """
         arena = self.arena
-        bodies = which[arena.movable[which] == 1]
-        parties = np.unique(np.concatenate([bodies, contacts["a"], contacts["b"]]))
+        parties = np.unique(np.concatenate([which, contacts["a"], contacts["b"]]))
         arena.respond(parties)
         start = arena.twists.copy()
         free_twists(
@@ -70,22 +90,51 @@ class Holder:
             self.ends, self.load_books, self.hits,
         )  # fmt: skip
         pressed = np.zeros(len(arena.bodies), dtype=np.int64)
-        if len(contacts):
-            span = end - now
-            # a gap left by drift closes within a whole leg, not within what is left of this one
-            bias = np.maximum(contacts["gap"], 0.0) / max(span, min(self.leg, self.longest_leg(contacts)))
-            free = self.ends.copy()
-            self._solve(contacts, bias)
-            push = np.linalg.norm(contacts["impulse"], axis=1) > 0.0
-            for side in ("a", "b"):
-                pressed[contacts[side][push]] = 1
-            pressed[arena.movable == 0] = 0
-            ends = self.ends
-            ends[pressed == 0] = free[pressed == 0]
-        set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, arena.responses, self.ends, now, end)
         if not len(contacts):
+            set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
             return no_contacts()
-        return self._staying(contacts, start, now, end)
+        free = self.ends.copy()
+        middle, bias = self._in_the_middle(contacts, start, parties, now, end)
+        self._solve(middle, bias)
+        contacts["impulse"] = middle["impulse"]
+        push = np.linalg.norm(contacts["impulse"], axis=1) > 0.0
+        for side in ("a", "b"):
+            pressed[contacts[side][push]] = 1
+        pressed[arena.movable == 0] = 0
+        self.ends[pressed == 0] = free[pressed == 0]
+        set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
+        return self._staying(contacts, middle, start, now, end)
+
+    def _in_the_middle(
+        self, contacts: np.ndarray, start: np.ndarray, parties: np.ndarray, now: float, end: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The contacts as they will be in the middle of the leg, and their bias (m, 3) [length/time].
+
+        arena.responses are then those of the middle, too. Where nothing turns or slides they stay as they are.
+        """
+        arena, span = self.arena, end - now
+        # a gap left by drift closes within a whole leg, not within what is left of this one
+        closing = np.maximum(contacts["gap"], 0.0) / max(span, min(self.leg, self.longest_leg(contacts)))
+        bias = closing[:, None] * contacts["normal"]
+        middle = contacts.copy()
+        if not self._moves(parties, span):
+            return middle, bias
+        coast(parties, arena.bodies, arena.motion, arena.paths, arena.laws, 0.5 * span, arena.spare, self.hits)
+        there, found = self.watch.again(contacts, arena.spare)
+        before = relative(contacts, arena, start)
+        arena.respond(parties, arena.spare)
+        middle[found] = there
+        middle["impulse"], middle["e"], middle["mu"] = contacts["impulse"], contacts["e"], contacts["mu"]
+        bias += relative(middle, arena, start) - before
+        return middle, bias
+
+    def _moves(self, parties: np.ndarray, span: float) -> bool:
+        """Whether a party turns, or moves, enough in the span to change where and how it touches."""
+        arena = self.arena
+        rows = arena.motion[parties]
+        reach = np.where(np.isfinite(arena.reach[parties]), arena.reach[parties], 0.0)
+        way = np.linalg.norm(rows["v"], axis=1) + np.linalg.norm(rows["w"], axis=1) * reach
+        return bool((way * span > STILL_PART * np.maximum(reach, 1e-300)).any())
 
     def _solve(self, contacts: np.ndarray, bias: np.ndarray) -> None:
         """Contact impulses over the leg; self.ends become the twists with them."""
@@ -95,17 +144,19 @@ class Holder:
         self.worst = max(self.worst, residual)
         self.impossible += status == IMPOSSIBLE
 
-    def _staying(self, contacts: np.ndarray, start: np.ndarray, now: float, end: float) -> np.ndarray:
+    def _staying(
+        self, contacts: np.ndarray, middle: np.ndarray, start: np.ndarray, now: float, end: float
+    ) -> np.ndarray:
         """The contacts that push, or touch without parting; their work goes to the ledger."""
         arena = self.arena
         before, after = np.empty(len(contacts)), np.empty(len(contacts))
-        approaches(contacts, arena.responses, start, before)
-        approaches(contacts, arena.responses, self.ends, after)
+        approaches(middle, arena.responses, start, before)
+        approaches(middle, arena.responses, self.ends, after)
         push = np.linalg.norm(contacts["impulse"], axis=1) > 0.0
         parting = np.abs(after) > PARTING * np.abs(after - before).max(initial=0.0)
         stays = push | ~(parting & (after > 0.0))
         held = contacts[stays].copy()
         held["fresh"] = 0
         held["age"] += end - now
-        self.ledger.open(held, start, self.ends, now, end)
+        self.ledger.open(middle[stays], start, self.ends, now, end)
         return held

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena
+from flowgmo.collision.arena import Arena, cross
 from flowgmo.state import FROM_PRESCRIBED, LOST_IN_FRICTION
 
 #: One contact's leg: parties, start and length [time]; power lost and power given by drivers, at start and end.
@@ -35,7 +35,7 @@ class Ledger:
             for side, sign in (("a", 1.0), ("b", -1.0)):
                 party = held[side]
                 arm = held["point"] - self.arena.responses["centre"][party]
-                u = twists["v"][party] + np.cross(twists["w"][party], arm)
+                u = twists["v"][party] + cross(twists["w"][party], arm)
                 power = sign * np.einsum("ki,ki->k", entries["force"], u)
                 entries["lost"][:, k] -= power
                 driven = (self.arena.movable[party] == 0) & (party < n)

@@ -9,7 +9,7 @@ The relative velocity of a contact and the change of y by its impulse are
 
     u = u_0 + G_a y_a + G_b y_b       y_a += G_aᵀ p,   y_b += G_bᵀ p       K = G_a G_aᵀ + G_b G_bᵀ
 
-with G_a = (L_t, -[x - c]× L_r), G_b the negative of the same of b, u_0 the free relative velocity plus bias n.
+with G_a = (L_t, -[x - c]× L_r), G_b the negative of the same of b, u_0 the free relative velocity plus the bias.
 Masses are taken in a unit of the problem's own, a power of two: p and y are velocities, the roots that L takes have
 no unit of mass, and a problem with all masses doubled gives the same bits.
 """
@@ -124,7 +124,7 @@ def move(slots, link, p):
 
 @inner
 def velocity(slots, link):
-    """Relative velocity (triple) of a contact, bias n added."""
+    """Relative velocity (triple) of a contact, its bias added."""
     x, y, z = link.u0[0], link.u0[1], link.u0[2]
     for s, g in ((link.a, link.ga), (link.b, link.gb)):
         if s >= 0:
@@ -195,14 +195,14 @@ def prepare_slots(responses, queue, n, unit):
 
 
 @inner
-def prepare_link(link, contact, bias, responses, twists, lt, lr, unit):
-    """All of a link but its parties' slots, which are known."""
+def prepare_link(link, contact, bias, k, responses, twists, lt, lr, unit):
+    """All of a link but its parties' slots, which are known; its bias is row k of bias (m, 3)."""
     link.mu = min(contact.mu, MU_MOST)
     x = triple(contact.point)
     n = triple(contact.normal)
     put(link.n, n)
-    u = scale(bias, n)
-    link.size = abs(bias)
+    u = (bias[k, 0], bias[k, 1], bias[k, 2])
+    link.size = norm(u)
     for party, sign in ((contact.a, 1.0), (contact.b, -1.0)):
         v = triple(twists[party].v)
         turn = cross(triple(twists[party].w), sub(x, triple(responses[party].centre)))

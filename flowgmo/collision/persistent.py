@@ -130,7 +130,8 @@ def solve(contacts, bias, responses, twists, tolerance, most):
     """Impulses of persistent contacts and the twists at the end of the step.
 
     contacts (m,) CONTACT: impulse holds the guess, that of the last step, and on return the solution, space axes;
-    bias (m,) [length/time] >= 0: speed at which a contact may still close; responses (n,) RESPONSE;
+    bias (m, 3) [length/time]: velocity added to that of each contact before the law is applied, space axes: along the
+    normal the speed at which it may still close; responses (n,) RESPONSE;
     twists (n,) TWIST: free ones at the end of the step, changed in place; most: bounds the sweeps of each group.
     Contacts of two parties that answer nothing are left out, their impulse is zero.
     Returns the largest number of sweeps and Newton steps of a group; the largest residual, k |p - clip(p - u/k)| of a
@@ -147,7 +148,7 @@ def solve(contacts, bias, responses, twists, tolerance, most):
         links[i].contact = order[i]
         links[i].a = slot_of[contact.a]
         links[i].b = slot_of[contact.b]
-        prepare_link(links[i], contact, bias[order[i]], responses, twists, lt, lr, unit)
+        prepare_link(links[i], contact, bias, order[i], responses, twists, lt, lr, unit)
     count = np.int64(0)
     residual = 0.0
     status = CONVERGED

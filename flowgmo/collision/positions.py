@@ -36,12 +36,12 @@ def separate(contacts, depths, responses, shifts, tolerance, most):
     """
     m = len(contacts)
     rows = np.empty(m, CONTACT)
-    bias = np.empty(m)
+    bias = np.empty((m, 3))
     for c in range(m):
         rows[c] = contacts[c]
         rows[c].mu = 0.0
-        bias[c] = -depths[c]
         for k in range(3):
+            bias[c, k] = -depths[c] * rows[c].normal[k]
             rows[c].impulse[k] = 0.0
     for i in range(len(shifts)):
         for k in range(3):

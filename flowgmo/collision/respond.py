@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from flowgmo.bodies.arrays import STILL
+import numpy as np
+
+from flowgmo.bodies.arrays import DRIVEN, STILL
+from flowgmo.bodies.driven import place_hinged
 from flowgmo.collision.inverse_mass import respond, set_velocities, twist_of
 from flowgmo.collision.paths import FREE, HELD, copy_pose, run_path
 from flowgmo.kernel import kernel
-from flowgmo.vectors import put, scale, sub, triple
+from flowgmo.vectors import add, along, dot, put, put4, quad, rotate, scale, sub, triple, turned
 
 
 @kernel
@@ -47,7 +50,7 @@ def free_twists(which, A, M, P, laws, T, end, out, books, hits):
 
 
 @kernel
-def set_paths(which, pressed, A, M, P, responses, ends, now, end):
+def set_paths(which, pressed, A, M, P, ends, now, end):
     """Paths of the parties `which` from now to `end`: HELD with the end twists `ends` where pressed (n,), else FREE."""
     span = end - now
     for k in range(which.size):
@@ -62,3 +65,28 @@ def set_paths(which, pressed, A, M, P, responses, ends, now, end):
         if A[b].hinge == 0:
             put(P[b].acc, scale(1.0 / span, sub(triple(ends[b].v), triple(M[b].v))))
         put(P[b].alp, scale(1.0 / span, sub(triple(ends[b].w), triple(M[b].w))))
+
+
+@kernel
+def coast(which, A, M, P, laws, span, T, hits):
+    """Poses T (n,) of POSE of the parties `which` after the span [time] with the velocities of M; driven ones exactly.
+
+    Their paths (P) start where M stands.
+    """
+    books = np.zeros(4)
+    for k in range(which.size):
+        b = which[k]
+        copy_pose(T[b], M[b])
+        if A[b].motion == DRIVEN:
+            run_path(A[b], T[b], P[b], laws, books, P[b].t + span, hits)
+        elif A[b].motion != STILL:
+            if A[b].hinge == 1:
+                rate = dot(T[b].w, A[b].axis)
+                T[b].angle += rate * span
+                place_hinged(A[b], T[b], T[b].angle, rate)
+            else:
+                put4(T[b].q, turned(quad(T[b].q), scale(span, triple(T[b].w))))
+                if A[b].hinge == 2:
+                    put(T[b].p, add(triple(A[b].point), rotate(quad(T[b].q), triple(A[b].arm))))
+                else:
+                    put(T[b].p, along(triple(T[b].p), span, triple(T[b].v)))

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena, records_of
-from flowgmo.collision.gather import approaches, islands
+from flowgmo.collision.arena import Arena, cross, records_of
+from flowgmo.collision.gather import KEPT, approaches, islands
 from flowgmo.collision.respond import set_all
 from flowgmo.records import REST
 from flowgmo.state import FROM_PRESCRIBED, LOST_IN_IMPACTS
@@ -95,6 +95,17 @@ class Striker:
             rest = 2.0 * speed / (pull * (1.0 - contacts["e"]))
         return (pull > 0.0) & (contacts["e"] < 1.0) & (rest < span)
 
+    def parts(self, contacts: np.ndarray, speed: np.ndarray, span: float) -> np.ndarray:
+        """(m,) whether contacts that open with `speed` [length/time] leave; the others may press again within the span.
+
+        A plastic contact that opens only because the bodies turn is left to the contact forces. One that rebounds
+        leaves, unless gravity closes it for good within the span, or nothing pulls and it hardly moves.
+        """
+        arena = self.arena
+        reach = np.minimum(arena.reach[contacts["a"]], arena.reach[contacts["b"]])
+        slow = (self._pull(contacts) <= 0.0) & (contacts["e"] < 1.0) & (speed * span < KEPT * reach)
+        return (speed > 0.0) & (contacts["e"] > 0.0) & ~slow & ~self.returns(contacts, speed, span)
+
     def _pull(self, group: np.ndarray) -> np.ndarray:
         """(k,) acceleration with which gravity presses each contact's sides together."""
         arena = self.arena
@@ -113,7 +124,7 @@ class Striker:
             driven = (arena.movable[party] == 0) & (party < arena.n)
             if driven.any():
                 x = group["point"][driven] - arena.responses["centre"][party[driven]]
-                u = before["v"][party[driven]] + np.cross(before["w"][party[driven]], x)
+                u = before["v"][party[driven]] + cross(before["w"][party[driven]], x)
                 books[FROM_PRESCRIBED] -= sign * float((group["impulse"][driven] * u).sum())
 
     def _records(self, group: np.ndarray, t: float, speed: np.ndarray) -> np.ndarray:

@@ -57,6 +57,15 @@ class Watch:
         pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), [[min(a, b), max(a, b)]]])
         return self._gather(np.unique(pairs, axis=0), held)
 
+    def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), and their places in m (k,)."""
+        pairs = np.unique(np.stack([contacts["a"], contacts["b"]], 1), axis=0)
+        order = np.lexsort((contacts["b"], contacts["a"]))
+        found = self._gather(pairs, contacts[order], rows)
+        found = found[found["fresh"] == 0]
+        _, first = np.unique(found["regime"], return_index=True)  # where two are the same contact: the first
+        return found[first], order[found["regime"][first]]
+
     def start(self, held: np.ndarray, now: float, end: float) -> None:
         """Find the next events of all pairs in [now, end)."""
         self.now, self.end = now, end
@@ -109,12 +118,13 @@ class Watch:
             found.append(np.stack([np.minimum(others, body), np.maximum(others, body)], 1))
         return np.unique(np.concatenate(found), axis=0) if found else np.zeros((0, 2), dtype=np.int64)
 
-    def _gather(self, pairs: np.ndarray, held: np.ndarray) -> np.ndarray:
+    def _gather(self, pairs: np.ndarray, held: np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
         a = self.arena
+        rows = a.motion if rows is None else rows
         first = self._first(pairs, held)
         while True:
             total, most, deepest = gather(
-                a.shapes, pairs, len(pairs), a.motion, a.plan, a.touch, held, first, self.out, self.room, self.points
+                a.shapes, pairs, len(pairs), rows, a.plan, a.touch, held, first, self.out, self.room, self.points
             )
             if total <= len(self.out) and most <= len(self.room):
                 self.deepest = max(self.deepest, deepest)

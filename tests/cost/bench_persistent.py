@@ -47,7 +47,7 @@ def sweeps_alone(contacts, bias, responses, twists, tolerance, most):
         contact = contacts[order[i]]
         links[i].a = slot_of[contact.a]
         links[i].b = slot_of[contact.b]
-        prepare_link(links[i], contact, bias[order[i]], responses, twists, lt, lr, unit)
+        prepare_link(links[i], contact, bias, order[i], responses, twists, lt, lr, unit)
     start(links, slots, groups[0])
     count, residual, _ = sweep_until(links, slots, groups[0], tolerance, most)
     return count, residual

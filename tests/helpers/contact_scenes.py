@@ -45,7 +45,7 @@ def contact(a, b, x, n=(0, 0, 1), mu=0.5):
 def scene(parties, contacts, fall=(0, 0, -FALL)):
     responses, twists = np.array(parties, RESPONSE), np.zeros(len(parties), TWIST)
     twists["v"][responses["wt"][:, 0] > 0] = fall
-    return np.array(contacts, CONTACT), np.zeros(len(contacts)), responses, twists
+    return np.array(contacts, CONTACT), np.zeros((len(contacts), 3)), responses, twists
 
 
 def stack(masses, mu=0.5):
@@ -166,7 +166,8 @@ def law_violation(contacts, bias, responses, twists):
     """Largest violations: approach [length/time], pull, cone [impulse], p_n u_n, u_t against p_t [energy]."""
     u = contact_velocities(contacts, responses, twists)
     n, p = contacts["normal"], contacts["impulse"]
-    un, pn = np.sum(u * n, axis=1) + bias, np.sum(p * n, axis=1)
+    u = u + bias
+    un, pn = np.sum(u * n, axis=1), np.sum(p * n, axis=1)
     ut, pt = u - np.sum(u * n, axis=1)[:, None] * n, p - pn[:, None] * n
     slip, grip = np.linalg.norm(ut, axis=1), np.linalg.norm(pt, axis=1)
     dissipation = np.abs(np.sum(ut * pt, axis=1) + contacts["mu"] * pn * slip)
