@@ -11,12 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.collision.contact import CONTACT, approach
+from flowgmo.collision.sweep import KEPT
 from flowgmo.collision.touching import ALIKE, NEAR, is_same, touching_points
 from flowgmo.collision.tree import near_pairs
 from flowgmo.kernel import inner, kernel
 from flowgmo.vectors import dot, norm, put, quad, sub, triple
 
-KEPT = 1e-4  # of the reach: a step turns a held body by 0.05 rad at most, its error is a part of 0.05³
 SAME = 1e-6  # of the reach: contact points of neighbouring triangles this near to each other are one
 
 

@@ -29,8 +29,8 @@ from flowgmo.collision.watch import Watch
 
 TURN = 0.05  # rad that a held body turns in one leg: the error of its path is a part of TURN³ of its size
 FALL = 1e-3  # of a body's reach that gravity moves it in one leg
-TOLERANCE = 1e-10  # of the largest free normal speed: what remains when the forces count as found
-MOST_SWEEPS = 2000
+TOLERANCE = 1e-9  # of the largest free normal speed: what remains when the forces count as found
+MOST_SWEEPS = 300
 PARTING = 1e-9  # of the largest change of normal speed in the leg: a smaller speed is round-off of the solution
 
 

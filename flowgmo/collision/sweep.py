@@ -31,6 +31,7 @@ NEVER = np.inf
 MOST_NORMALS = 60  # new normals in one search; then the pair is looked at again from the time reached
 MOST_ADVANCES = 40  # steps along one normal
 SHRUNK = 0.1  # part of the gap after which the normal is taken anew
+KEPT = 1e-4  # of the reach: a step turns a held body by 0.05 rad at most, its error is a part of 0.05³
 TRAVEL = 0.02  # part of a piece's reach that the bodies of a touching pair move between two looks
 MOST_LOOKS = 64
 
@@ -128,25 +129,29 @@ def next_arrival(sh, i, j, A, laws, M, P, bounds, T, now, end, target, held, fir
     way = norm(sub(triple(T[a].v), triple(T[b].v))) + (ga + gb) * span  # T: rows at `now`
     way += _spin(sh.pieces[i], wa) + _spin(sh.pieces[j], wb)
     looks = int(min(max(np.ceil(way * span / (TRAVEL * size)), 1.0), 1.0 * MOST_LOOKS))
-    before, gap_before = now, NEVER
-    n = (0.0, 0.0, 0.0)
+    gap, n = _new_gap(sh, i, j, A, laws, M, P, T, now, (0.0, 0.0, 0.0), target, held, first, last, points, hits)
+    level = min(gap, 0.0)  # where a point that drift has left overlapping is opening, it counts from there
+    before, gap_before = now, gap
     for k in range(1, looks + 1):
         t = end if k == looks else now + span * k / looks
         gap, n = _new_gap(sh, i, j, A, laws, M, P, T, t, n, target, held, first, last, points, hits)
-        if gap < -target:
+        if gap < level - target:
             return _closing_time(
-                sh, i, j, A, laws, M, P, T, before, gap_before, t, gap, n, target, held, first, last, points, hits
-            )
+                sh, i, j, A, laws, M, P, T, before, gap_before, t, gap, n, target, level, held, first, last, points,
+                hits,
+            )  # fmt: skip
         before, gap_before = t, gap
     return NEVER
 
 
 @inner
-def _closing_time(sh, i, j, A, laws, M, P, T, lo, gap_lo, hi, gap_hi, n, target, held, first, last, points, hits):
-    """Time between lo (open) and hi (overlap) at which the gap is between 0 and target, or as near as times can be."""
-    aim = 0.5 * target
+def _closing_time(
+    sh, i, j, A, laws, M, P, T, lo, gap_lo, hi, gap_hi, n, target, level, held, first, last, points, hits
+):
+    """Time between lo (open) and hi (overlap) at which the gap is at most target above the level."""
+    aim = level + 0.5 * target
     halve = False
-    above = False  # seen open: before, a point that has just parted may still be within the target
+    above = gap_lo > level + target  # seen open: before, a point that has just parted may still be within the target
     for _ in range(100):  # halving every other time reaches round-off of time in 100 looks
         if halve or gap_lo == NEVER:
             t = 0.5 * (lo + hi)
@@ -155,11 +160,11 @@ def _closing_time(sh, i, j, A, laws, M, P, T, lo, gap_lo, hi, gap_hi, n, target,
         if not lo < t < hi:
             break
         gap, _ = _new_gap(sh, i, j, A, laws, M, P, T, t, n, target, held, first, last, points, hits)
-        if 0.0 < gap <= target and above:
+        if above and level < gap <= level + target:
             return t
-        if gap > 0.0:
+        if gap > level:
             lo, gap_lo = t, gap
-            above = above or gap > target
+            above = above or gap > level + target
         else:
             hi, gap_hi = t, gap
         halve = not halve
@@ -191,7 +196,10 @@ def next_events(sh, pairs, count, A, laws, M, P, bounds, T, now, end, touch, hel
             fi, fj = look(sh, i, j, A, laws, M, P, T, now, hits)
             s, _, _, _, _ = separation(sh.pieces, sh.vertices, i, fi, j, fj, (0.0, 0.0, 0.0))
             good = True
-            if s <= touch[a, b]:
+            near = touch[a, b]
+            if first_held[k, 1] > first_held[k, 0]:
+                near += KEPT * min(sh.pieces[i].reach, sh.pieces[j].reach)  # held, with a gap that drift has left
+            if s <= near:
                 t = next_arrival(
                     sh, i, j, A, laws, M, P, bounds, T, now, best, touch[a, b], held, first_held[k, 0], first_held[k, 1],
                     points, hits,
