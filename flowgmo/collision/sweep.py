@@ -157,6 +157,8 @@ def _closing_time(
             t = 0.5 * (lo + hi)
         else:
             t = lo + (hi - lo) * (gap_lo - aim) / (gap_lo - gap_hi)
+        if not lo < t < hi:  # lo is a point that has just parted, nearer than the aim
+            t = 0.5 * (lo + hi)
         if not lo < t < hi:
             break
         gap, _ = _new_gap(sh, i, j, A, laws, M, P, T, t, n, target, held, first, last, points, hits)
