@@ -49,8 +49,19 @@ class Arena:
         taking_part = model.contacts.allowed.any(axis=1)
         self.movable = ((motion != STILL) & (motion != DRIVEN)).astype(np.int64)
         self.movers = np.flatnonzero((motion != STILL) & taking_part)
+        self.finite_reach = np.where(np.isfinite(self.reach), self.reach, 0.0)
+        self.pull = np.zeros((n + 6, 3))  # gravity's acceleration of parties that an impulse can move
+        self.pull[self.movable == 1] = model.gravity
         self.gravity = float(np.linalg.norm(model.gravity))
         self._hits, self._hit_body = np.zeros((MOST_HITS, 7)), np.zeros(MOST_HITS, dtype=np.int64)
+
+    def parties_of(self, contacts: np.ndarray, *others: int) -> np.ndarray:
+        """Parties of contacts (m,) and `others`, each once, ascending."""
+        mask = np.zeros(len(self.bodies), dtype=bool)
+        mask[contacts["a"]] = True
+        mask[contacts["b"]] = True
+        mask[list(others)] = True
+        return np.flatnonzero(mask)
 
     def load(self, motion: np.ndarray, t: float) -> None:
         """Take the poses (n,) of POSE at time t; everything flies freely until told otherwise."""
@@ -96,6 +107,11 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     out[:, 1] = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]
     out[:, 2] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     return out
+
+
+def lengths(a: np.ndarray) -> np.ndarray:
+    """(m,) lengths of rows (m, 3)."""
+    return np.sqrt(np.einsum("ki,ki->k", a, a))
 
 
 def _pairs(model: Model) -> np.ndarray:

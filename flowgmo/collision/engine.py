@@ -17,7 +17,7 @@ import numpy as np
 
 from flowgmo.collision.arena import Arena
 from flowgmo.collision.correct import Corrector
-from flowgmo.collision.gather import no_contacts
+from flowgmo.collision.gather import mark_joined, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.hold import Holder
 from flowgmo.collision.laws import Law
@@ -93,28 +93,18 @@ class Engine:
 
     def _event(self, a: int, b: int, t: float, end: float, stalls: int) -> None:
         """Parties a and b touch at time t: resolve it with everything that is joined to them, and go on from there."""
-        bodies = self._joined(a, b)
-        self.holder.ledger.close(t, self.books, bodies)
-        self._bring(np.union1d(bodies, [a, b]), t)
-        mine = np.isin(self.held["a"], bodies) | np.isin(self.held["b"], bodies)
-        self._bring(np.setdiff1d(np.unique([self.held["a"][mine], self.held["b"][mine]]), bodies), t)
+        joined = np.zeros(len(self.arena.bodies), dtype=np.int64)
+        joined[[a, b]] = self.arena.movable[[a, b]]
+        mark_joined(self.held, self.arena.movable, joined)
+        mine = (joined[self.held["a"]] | joined[self.held["b"]]) == 1
+        bodies = np.flatnonzero(joined)
+        self.holder.ledger.close(t, self.books, joined)
+        self._bring(self.arena.parties_of(self.held[mine], a, b), t)
         contacts = self.watch.touching_now(self.held[mine], a, b)
         contacts = self._strike(contacts, t, stalls > STALLED)
         held = self.holder.hold(contacts, bodies, t, end)
         self.held = merge(self.held[~mine], held)
         self.watch.renew(self.held, bodies, t, (a, b) if stalls > 10 * STALLED else None)
-
-    def _joined(self, a: int, b: int) -> np.ndarray:
-        """Bodies joined to a or b by held contacts through bodies that can move; a and b among them if they can."""
-        movable = self.arena.movable
-        joined = {p for p in (a, b) if movable[p]}
-        one, two = self.held["a"], self.held["b"]
-        while True:
-            rows = np.isin(one, list(joined)) | np.isin(two, list(joined))
-            more = {int(p) for p in np.concatenate([one[rows], two[rows]]) if movable[p]} - joined
-            if not more:
-                return np.array(sorted(joined), dtype=np.int64)
-            joined |= more
 
     def _strike(self, contacts: np.ndarray, t: float, plastic: bool) -> np.ndarray:
         """Resolve impacts; returns the contacts that may stay: not those that part."""
@@ -149,4 +139,4 @@ class Engine:
 def merge(one: np.ndarray, two: np.ndarray) -> np.ndarray:
     """Two lists of contacts as one, sorted by pair."""
     both = np.concatenate([one, two])
-    return both[np.lexsort((both["feature"], both["b"], both["a"]))]
+    return both[np.lexsort((both["b"], both["a"]))]

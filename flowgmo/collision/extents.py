@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from flowgmo.bodies.arrays import BALLISTIC, STILL
 from flowgmo.collision.broad import overlapping
 from flowgmo.collision.paths import ASLEEP, FREE, HELD, motion_bounds
@@ -57,3 +59,28 @@ def _course(body, row, path, bound, sweep):
 def pairs_of_boxes(boxes, allowed, order, out):
     """Allowed pairs (i < j) of parties whose boxes (n, 6) meet, into out (m, 2); how many there are, maybe more than m."""
     return overlapping(boxes, allowed, order, out)
+
+
+@kernel
+def pairs_with(bodies, boxes, allowed, out):
+    """Allowed pairs (i < j) with one of the `bodies` (ascending) whose boxes (n, 6) meet, each once, into out (m, 2)."""
+    count = np.int64(0)
+    for k in range(bodies.size):
+        i = bodies[k]
+        for j in range(boxes.shape[0]):
+            if not allowed[i, j]:
+                continue
+            apart = False
+            for m in range(3):
+                apart = apart or boxes[i, m] > boxes[j, 3 + m] or boxes[j, m] > boxes[i, 3 + m]
+            if apart:
+                continue
+            if j < i:  # found already if j is one of them
+                at = np.searchsorted(bodies, j)
+                if at < bodies.size and bodies[at] == j:
+                    continue
+            if count < out.shape[0]:
+                out[count, 0] = min(i, j)
+                out[count, 1] = max(i, j)
+            count += 1
+    return count

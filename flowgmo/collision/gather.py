@@ -131,6 +131,20 @@ def islands(contacts, movable, label):
     return count
 
 
+@kernel
+def mark_joined(contacts, movable, mark):
+    """Spread mark (n+6,) from marked parties over contacts (m,) to all that are joined with them through movable ones."""
+    changed = True
+    while changed:
+        changed = False
+        for c in range(contacts.size):
+            a, b = contacts[c].a, contacts[c].b
+            if movable[a] and movable[b] and mark[a] != mark[b]:
+                mark[a] = 1
+                mark[b] = 1
+                changed = True
+
+
 @inner
 def _root(parent, p):
     while parent[p] != p:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena, cross
+from flowgmo.collision.arena import Arena, cross, lengths
 from flowgmo.collision.gather import approaches, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.ledger import Ledger
@@ -66,14 +66,12 @@ class Holder:
         arena = self.arena
         if not len(contacts):
             return np.inf
-        parties = np.unique(np.concatenate([contacts["a"], contacts["b"]]))
+        parties = arena.parties_of(contacts)
         parties = parties[arena.movable[parties] == 1]
-        rate = np.linalg.norm(arena.motion["w"][parties], axis=1)
-        reach = arena.reach[parties]
-        with np.errstate(divide="ignore"):
-            leg = np.min(TURN / rate, initial=np.inf)
-            if arena.gravity > 0.0:
-                leg = min(leg, float(np.sqrt(2.0 * FALL * reach.min() / arena.gravity)))
+        rate = float(lengths(arena.motion["w"][parties]).max(initial=0.0))
+        leg = TURN / rate if rate > 0.0 else np.inf
+        if arena.gravity > 0.0:
+            leg = min(leg, float(np.sqrt(2.0 * FALL * arena.reach[parties].min() / arena.gravity)))
         return leg
 
     def hold(self, contacts: np.ndarray, which: np.ndarray, now: float, end: float) -> np.ndarray:
@@ -82,7 +80,7 @@ class Holder:
         All movable parties of the contacts are among `which`. Returns the contacts that stay, with their impulses.
         """
         arena = self.arena
-        parties = np.unique(np.concatenate([which, contacts["a"], contacts["b"]]))
+        parties = arena.parties_of(contacts, *which)
         arena.respond(parties)
         start = arena.twists.copy()
         free_twists(
@@ -97,7 +95,7 @@ class Holder:
         middle, bias = self._in_the_middle(contacts, start, parties, now, end)
         self._solve(middle, bias)
         contacts["impulse"] = middle["impulse"]
-        push = np.linalg.norm(contacts["impulse"], axis=1) > 0.0
+        push = lengths(contacts["impulse"]) > 0.0
         for side in ("a", "b"):
             pressed[contacts[side][push]] = 1
         pressed[arena.movable == 0] = 0
@@ -132,8 +130,8 @@ class Holder:
         """Whether a party turns, or moves, enough in the span to change where and how it touches."""
         arena = self.arena
         rows = arena.motion[parties]
-        reach = np.where(np.isfinite(arena.reach[parties]), arena.reach[parties], 0.0)
-        way = np.linalg.norm(rows["v"], axis=1) + np.linalg.norm(rows["w"], axis=1) * reach
+        reach = arena.finite_reach[parties]
+        way = lengths(rows["v"]) + lengths(rows["w"]) * reach
         return bool((way * span > STILL_PART * np.maximum(reach, 1e-300)).any())
 
     def _solve(self, contacts: np.ndarray, bias: np.ndarray) -> None:
@@ -152,7 +150,7 @@ class Holder:
         before, after = np.empty(len(contacts)), np.empty(len(contacts))
         approaches(middle, arena.responses, start, before)
         approaches(middle, arena.responses, self.ends, after)
-        push = np.linalg.norm(contacts["impulse"], axis=1) > 0.0
+        push = lengths(contacts["impulse"]) > 0.0
         parting = np.abs(after) > PARTING * np.abs(after - before).max(initial=0.0)
         stays = push | ~(parting & (after > 0.0))
         held = contacts[stays].copy()

@@ -53,10 +53,10 @@ class Ledger:
             books[place] += float(np.sum(dt * (first + 0.5 * (last - first) * dt / entries["span"])))
 
     def close(self, t: float, books: np.ndarray, bodies: np.ndarray | None = None) -> None:
-        """Book and forget the legs that end at t: all, or those of the parties `bodies`."""
+        """Book and forget the legs that end at t: all, or those of the bodies marked 1 in `bodies` (n+6,)."""
         which = np.ones(len(self.entries), dtype=bool)
         if bodies is not None:
-            which = np.isin(self.entries["a"], bodies) | np.isin(self.entries["b"], bodies)
+            which = (bodies[self.entries["a"]] | bodies[self.entries["b"]]) == 1
         self.add_until(t, books, which)
         self.entries = self.entries[~which]
 

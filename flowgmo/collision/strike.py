@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena, cross, records_of
+from flowgmo.collision.arena import Arena, cross, lengths, records_of
 from flowgmo.collision.gather import KEPT, approaches, islands
 from flowgmo.collision.respond import set_all
 from flowgmo.records import REST
@@ -46,13 +46,15 @@ class Striker:
         Changes velocities in arena.motion, contacts' impulse, regime, loss; books (4,) get the energy.
         """
         arena = self.arena
-        parties = np.unique(np.concatenate([contacts["a"], contacts["b"]]))
+        parties = arena.parties_of(contacts)
         arena.respond(parties)
         speed = np.empty(len(contacts))
         approaches(contacts, arena.responses, arena.twists, speed)
         struck = np.zeros(len(contacts), dtype=bool)
         records: list[np.ndarray] = []
-        hits = (contacts["fresh"] == 1) & (speed < -SLOW * self._scale(contacts))
+        hits = (contacts["fresh"] == 1) & (speed < 0.0)
+        if hits.any():
+            hits &= speed < -SLOW * self._scale(contacts)
         if not hits.any():
             return Outcome(records, struck, speed)
         label = np.empty(len(contacts), dtype=np.int64)
@@ -78,8 +80,8 @@ class Striker:
         total = np.zeros(len(contacts))
         for side in ("a", "b"):
             rows = arena.motion[contacts[side]]
-            reach = np.where(np.isfinite(arena.reach[contacts[side]]), arena.reach[contacts[side]], 0.0)
-            total += np.linalg.norm(rows["v"], axis=1) + np.linalg.norm(rows["w"], axis=1) * reach
+            reach = arena.finite_reach[contacts[side]]
+            total += lengths(rows["v"]) + lengths(rows["w"]) * reach
             total += np.sqrt(arena.gravity * reach)
         return total
 
@@ -91,9 +93,7 @@ class Striker:
     def returns(self, contacts: np.ndarray, speed: np.ndarray, span: float) -> np.ndarray:
         """(m,) whether contacts that part with `speed` [length/time] are at rest again within the span, bounces included."""
         pull = self._pull(contacts)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rest = 2.0 * speed / (pull * (1.0 - contacts["e"]))
-        return (pull > 0.0) & (contacts["e"] < 1.0) & (rest < span)
+        return (pull > 0.0) & (2.0 * speed < span * pull * (1.0 - contacts["e"]))
 
     def parts(self, contacts: np.ndarray, speed: np.ndarray, span: float) -> np.ndarray:
         """(m,) whether contacts that open with `speed` [length/time] leave; the others may press again within the span.
@@ -108,10 +108,7 @@ class Striker:
 
     def _pull(self, group: np.ndarray) -> np.ndarray:
         """(k,) acceleration with which gravity presses each contact's sides together."""
-        arena = self.arena
-        free = arena.movable[: arena.n] == 1
-        g = np.zeros((len(arena.movable), 3))
-        g[: arena.n][free] = arena.model.gravity
+        g = self.arena.pull
         return -np.einsum("ki,ki->k", g[group["a"]] - g[group["b"]], group["normal"])
 
     def _resolve(self, group: np.ndarray, t: float, books: np.ndarray) -> None:
@@ -129,7 +126,7 @@ class Striker:
 
     def _records(self, group: np.ndarray, t: float, speed: np.ndarray) -> np.ndarray:
         """Contacts that took an impulse. A series closed within the step is a record of rest."""
-        took = np.linalg.norm(group["impulse"], axis=1) > 0.0
+        took = lengths(group["impulse"]) > 0.0
         rows = records_of(group[took], t, self.arena.n, 0)
         closed = (group["e"][took] == 0.0) & (self._given(group[took]) > 0.0)
         rows["regime"][closed] = REST

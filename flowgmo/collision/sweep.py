@@ -148,16 +148,21 @@ def next_arrival(sh, i, j, A, laws, M, P, bounds, T, now, end, target, held, fir
 def _closing_time(
     sh, i, j, A, laws, M, P, T, lo, gap_lo, hi, gap_hi, n, target, level, held, first, last, points, hits
 ):
-    """Time between lo (open) and hi (overlap) at which the gap is at most target above the level."""
+    """Time between lo (open) and hi (overlap) at which the gap is at most target above the level.
+
+    Illinois' method (Dowell & Jarratt 1971): a secant that keeps the bracket.
+    """
     aim = level + 0.5 * target
-    halve = False
+    side = 0
     above = gap_lo > level + target  # seen open: before, a point that has just parted may still be within the target
-    for _ in range(100):  # halving every other time reaches round-off of time in 100 looks
-        if halve or gap_lo == NEVER:
-            t = 0.5 * (lo + hi)
-        else:
-            t = lo + (hi - lo) * (gap_lo - aim) / (gap_lo - gap_hi)
-        if not lo < t < hi:  # lo is a point that has just parted, nearer than the aim
+    f_lo, f_hi = gap_lo - aim, gap_hi - aim
+    for k in range(100):
+        t = 0.5 * (lo + hi)
+        if (
+            f_lo > 0.0 and f_lo < NEVER and k % 8 != 7
+        ):  # Illinois' secant; a bisection in between, for corners of the gap
+            t = lo + (hi - lo) * f_lo / (f_lo - f_hi)
+        if not lo < t < hi:
             t = 0.5 * (lo + hi)
         if not lo < t < hi:
             break
@@ -165,11 +170,14 @@ def _closing_time(
         if above and level < gap <= level + target:
             return t
         if gap > level:
-            lo, gap_lo = t, gap
+            lo, f_lo = t, gap - aim
             above = above or gap > level + target
+            f_hi = 0.5 * f_hi if side == 1 else f_hi
+            side = 1
         else:
-            hi, gap_hi = t, gap
-        halve = not halve
+            hi, f_hi = t, gap - aim
+            f_lo = 0.5 * f_lo if side == -1 else f_lo
+            side = -1
     return hi
 
 

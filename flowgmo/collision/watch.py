@@ -10,7 +10,7 @@ import numpy as np
 
 from flowgmo.collision.arena import Arena
 from flowgmo.collision.contact import CONTACT
-from flowgmo.collision.extents import pairs_of_boxes, sweep_boxes
+from flowgmo.collision.extents import pairs_of_boxes, pairs_with, sweep_boxes
 from flowgmo.collision.gather import KEPT, gather
 from flowgmo.collision.sweep import next_events
 from flowgmo.collision.touching import MOST_POINTS
@@ -76,7 +76,9 @@ class Watch:
     def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, ignore: tuple[int, int] | None) -> None:
         """Find anew the events of all pairs with one of the bodies, whose paths start at t; ignore: one stalled pair."""
         self._boxes(bodies, self.end - t)
-        kept = ~np.isin(self.pairs, bodies).any(axis=1)
+        changed = np.zeros(len(self.boxes), dtype=bool)
+        changed[bodies] = True
+        kept = ~changed[self.pairs].any(axis=1)
         pairs = self._pairs_of(bodies)
         if ignore is not None:
             pairs = pairs[~((pairs == min(ignore)).any(axis=1) & (pairs == max(ignore)).any(axis=1))]
@@ -110,13 +112,12 @@ class Watch:
 
     def _pairs_of(self, bodies: np.ndarray) -> np.ndarray:
         """Pairs of the bodies with all parties whose boxes overlap theirs, lower number first, each once."""
-        found = []
-        for body in bodies:
-            box = self.boxes[body]
-            meets = (box[:3] <= self.boxes[:, 3:]).all(axis=1) & (self.boxes[:, :3] <= box[3:]).all(axis=1)
-            others = np.flatnonzero(meets & self.allowed[body])
-            found.append(np.stack([np.minimum(others, body), np.maximum(others, body)], 1))
-        return np.unique(np.concatenate(found), axis=0) if found else np.zeros((0, 2), dtype=np.int64)
+        while True:
+            count = pairs_with(bodies, self.boxes, self.allowed, self.list)
+            if count <= len(self.list):
+                pairs = self.list[:count]
+                return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+            self.list = np.zeros((2 * count, 2), dtype=np.int64)
 
     def _gather(self, pairs: np.ndarray, held: np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
         a = self.arena
