@@ -75,36 +75,37 @@ class Engine:
 
     def _events(self, now: float, end: float) -> None:
         """All events until the end of the leg, the earliest first."""
-        met, stalls, last = 0, 0, now
+        events, stalls, last = 0, 0, now
         while True:
-            t, a, b = self.watch.next()
+            t, met_now = self.watch.next()
             if t >= end:
                 return
-            met += 1
+            events += 1
             stalls = stalls + 1 if t - last <= AT_ONCE * (end - now) else 0
             last = max(t, last)
-            if met > MOST_EVENTS:
+            if events > MOST_EVENTS:
+                a, b = met_now[0]
                 raise StepFailed(
                     f"more than {MOST_EVENTS:,} impacts in one step, the last of them between {self.arena.name(a)} and "
                     f"{self.arena.name(b)} at t = {t:.6g}: write a smaller delt, or smaller velocities"
                 )
             self._rows_until(last)
-            self._event(a, b, last, end, stalls)
+            self._event(met_now, last, end, stalls)
 
-    def _event(self, a: int, b: int, t: float, end: float, stalls: int) -> None:
-        """Parties a and b touch at time t: resolve it with everything that is joined to them, and go on from there."""
+    def _event(self, met: np.ndarray, t: float, end: float, stalls: int) -> None:
+        """Pairs met (k, 2) touch at time t: resolve it with everything that is joined to them, and go on from there."""
         joined = np.zeros(len(self.arena.bodies), dtype=np.int64)
-        joined[[a, b]] = self.arena.movable[[a, b]]
+        joined[met] = self.arena.movable[met]
         mark_joined(self.held, self.arena.movable, joined)
         mine = (joined[self.held["a"]] | joined[self.held["b"]]) == 1
         bodies = np.flatnonzero(joined)
         self.holder.ledger.close(t, self.books, joined)
-        self._bring(self.arena.parties_of(self.held[mine], a, b), t)
-        contacts = self.watch.touching_now(self.held[mine], a, b)
+        self._bring(self.arena.parties_of(self.held[mine], *met.ravel()), t)
+        contacts = self.watch.touching_now(self.held[mine], met)
         contacts = self._strike(contacts, t, stalls > STALLED)
         held = self.holder.hold(contacts, bodies, t, end)
         self.held = merge(self.held[~mine], held)
-        self.watch.renew(self.held, bodies, t, (a, b) if stalls > 10 * STALLED else None)
+        self.watch.renew(self.held, bodies, t, met if stalls > 10 * STALLED else met[:0])
 
     def _strike(self, contacts: np.ndarray, t: float, plastic: bool) -> np.ndarray:
         """Resolve impacts; returns the contacts that may stay: not those that part."""

@@ -86,6 +86,6 @@ class GridWatch:
     def start(self, held: np.ndarray, now: float, end: float) -> None:
         """Nothing to predict."""
 
-    def next(self) -> tuple[float, int, int]:
+    def next(self) -> tuple[float, np.ndarray]:
         """No event between two looks."""
-        return NEVER, -1, -1
+        return NEVER, self.list[:0]

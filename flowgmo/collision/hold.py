@@ -24,7 +24,7 @@ from flowgmo.collision.gather import approaches, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.ledger import Ledger
 from flowgmo.collision.persistent import IMPOSSIBLE, solve
-from flowgmo.collision.respond import coast, free_twists, set_paths
+from flowgmo.collision.respond import coast, free_twists, gyroscopic, set_paths
 from flowgmo.collision.watch import Watch
 
 TURN = 0.05  # rad that a held body turns in one leg: the error of its path is a part of TURN³ of its size
@@ -34,6 +34,7 @@ MOST_SWEEPS = 300
 PARTING = 1e-9  # of the largest change of normal speed in the leg: a smaller speed is round-off of the solution
 
 
+ROUND_OFF = 1e-12  # of the change of turning: a smaller correction is not worth a second solution
 STILL_PART = 1e-9  # of its reach: a party that moves less in a leg touches as it did
 
 
@@ -54,6 +55,7 @@ class Holder:
         self.arena, self.watch = arena, watch
         n = len(arena.bodies)
         self.ends = np.zeros(n, arena.twists.dtype)
+        self.correction = np.zeros(n, arena.twists.dtype)
         self.load_books = np.zeros((n, 4))
         self.hits = np.zeros((0, 7))
         self.ledger = Ledger(arena)
@@ -94,6 +96,9 @@ class Holder:
         free = self.ends.copy()
         middle, bias = self._in_the_middle(contacts, start, parties, now, end)
         self._solve(middle, bias)
+        before = free.copy()
+        if self._turn_further(parties, free, end - now):
+            self._solve(middle, bias)
         contacts["impulse"] = middle["impulse"]
         push = lengths(contacts["impulse"]) > 0.0
         for side in ("a", "b"):
@@ -101,7 +106,19 @@ class Holder:
         pressed[arena.movable == 0] = 0
         self.ends[pressed == 0] = free[pressed == 0]
         set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
-        return self._staying(contacts, middle, start, now, end)
+        return self._staying(contacts, middle, start, before, now, end)
+
+    def _turn_further(self, parties: np.ndarray, free: np.ndarray, span: float) -> bool:
+        """Add to the free twists what the impulses found change the turning by; whether it is worth solving again."""
+        arena = self.arena
+        part = gyroscopic(
+            parties, arena.bodies, arena.motion, arena.responses, free, self.ends, span, self.correction
+        )  # fmt: skip
+        if part <= ROUND_OFF:
+            return False
+        free["w"][parties] += self.correction["w"][parties]
+        self.ends[:] = free
+        return True
 
     def _in_the_middle(
         self, contacts: np.ndarray, start: np.ndarray, parties: np.ndarray, now: float, end: float
@@ -111,15 +128,18 @@ class Holder:
         arena.responses are then those of the middle, too. Where nothing turns or slides they stay as they are.
         """
         arena, span = self.arena, end - now
-        # a gap left by drift closes within a whole leg, not within what is left of this one
-        closing = np.maximum(contacts["gap"], 0.0) / max(span, min(self.leg, self.longest_leg(contacts)))
+        before = relative(contacts, arena, start)
+        # a gap left by drift closes within a whole leg, not within what is left of this one: the path is linear from
+        # the speed u now, so that (u - bias) leg / 2 = -gap
+        leg = max(span, min(self.leg, self.longest_leg(contacts)))
+        gap = np.maximum(contacts["gap"], 0.0)
+        closing = np.clip(2.0 * gap / leg + np.einsum("ki,ki->k", before, contacts["normal"]), 0.0, gap / leg)
         bias = closing[:, None] * contacts["normal"]
         middle = contacts.copy()
         if not self._moves(parties, span):
             return middle, bias
         coast(parties, arena.bodies, arena.motion, arena.paths, arena.laws, 0.5 * span, arena.spare, self.hits)
         there, found = self.watch.again(contacts, arena.spare)
-        before = relative(contacts, arena, start)
         arena.respond(parties, arena.spare)
         middle[found] = there
         middle["impulse"], middle["e"], middle["mu"] = contacts["impulse"], contacts["e"], contacts["mu"]
@@ -143,15 +163,18 @@ class Holder:
         self.impossible += status == IMPOSSIBLE
 
     def _staying(
-        self, contacts: np.ndarray, middle: np.ndarray, start: np.ndarray, now: float, end: float
+        self, contacts: np.ndarray, middle: np.ndarray, start: np.ndarray, free: np.ndarray, now: float, end: float
     ) -> np.ndarray:
-        """The contacts that push, or touch without parting; their work goes to the ledger."""
+        """The contacts that push, or touch without parting; their work goes to the ledger. free: ends without them."""
         arena = self.arena
         before, after = np.empty(len(contacts)), np.empty(len(contacts))
         approaches(middle, arena.responses, start, before)
         approaches(middle, arena.responses, self.ends, after)
         push = lengths(contacts["impulse"]) > 0.0
-        parting = np.abs(after) > PARTING * np.abs(after - before).max(initial=0.0)
+        alone = np.empty(len(contacts))
+        approaches(middle, arena.responses, free, alone)
+        scale = max(np.abs(after - before).max(initial=0.0), np.abs(alone - before).max(initial=0.0))
+        parting = np.abs(after) > PARTING * scale
         stays = push | ~(parting & (after > 0.0))
         held = contacts[stays].copy()
         held["fresh"] = 0

@@ -6,10 +6,27 @@ import numpy as np
 
 from flowgmo.bodies.arrays import DRIVEN, STILL
 from flowgmo.bodies.driven import place_hinged
+from flowgmo.bodies.equations import inertia_about, tensor_times
+from flowgmo.collision.contact import symmetric_times
 from flowgmo.collision.inverse_mass import respond, set_velocities, twist_of
 from flowgmo.collision.paths import FREE, HELD, copy_pose, run_path
 from flowgmo.kernel import kernel
-from flowgmo.vectors import add, along, dot, put, put4, quad, rotate, scale, sub, triple, turned
+from flowgmo.vectors import (
+    add,
+    along,
+    cross,
+    dot,
+    norm,
+    put,
+    put4,
+    quad,
+    rotate,
+    scale,
+    sub,
+    triple,
+    turned,
+    unrotate,
+)
 
 
 @kernel
@@ -90,3 +107,32 @@ def coast(which, A, M, P, laws, span, T, hits):
                     put(T[b].p, add(triple(A[b].point), rotate(quad(T[b].q), triple(A[b].arm))))
                 else:
                     put(T[b].p, along(triple(T[b].p), span, triple(T[b].v)))
+
+
+@kernel
+def gyroscopic(which, A, M, responses, free, ends, span, out):
+    """What contact impulses change the turning by indirectly, within the span [time]: to be added to the free twists.
+
+    free, ends, out (n,) of TWIST: w without and with the impulses, and the correction; M stands at the start. With
+    d = w(end) - w(free) growing linearly, the torque -w × I w gains -(d × I w + w × I d) t/h on the way:
+
+        correction = -(h/2) I⁻¹ (d × I w + w × I d)
+
+    Returns the largest |correction| over the largest |d|.
+    """
+    most, size = 0.0, 0.0
+    for k in range(which.size):
+        b = which[k]
+        put(out[b].w, (0.0, 0.0, 0.0))
+        d = sub(triple(ends[b].w), triple(free[b].w))
+        if A[b].motion == STILL or A[b].motion == DRIVEN or A[b].hinge == 1 or norm(d) == 0.0:
+            continue
+        q = quad(M[b].q)
+        i = inertia_about(A[b])
+        w = triple(M[b].w)
+        iw = rotate(q, tensor_times(i, unrotate(q, w)))
+        spin = rotate(q, tensor_times(i, unrotate(q, d)))
+        c = scale(-0.5 * span, symmetric_times(responses[b].wr, add(cross(d, iw), cross(w, spin))))
+        put(out[b].w, c)
+        most, size = max(most, norm(c)), max(size, norm(d))
+    return most / size if size > 0.0 else 0.0

@@ -16,6 +16,7 @@ from flowgmo.collision.sweep import next_events
 from flowgmo.collision.touching import MOST_POINTS
 
 NEVER = np.inf
+TOGETHER = 1e-9  # of a leg: pairs that touch nearer to each other in time than this touch at once
 
 
 class Watch:
@@ -52,9 +53,9 @@ class Watch:
         self._boxes(self.all, 0.0)
         return self._gather(self._overlapping(), held)
 
-    def touching_now(self, held: np.ndarray, a: int, b: int) -> np.ndarray:
-        """Contacts of the pairs in `held` and of the pair (a, b)."""
-        pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), [[min(a, b), max(a, b)]]])
+    def touching_now(self, held: np.ndarray, met: np.ndarray) -> np.ndarray:
+        """Contacts of the pairs in `held` and of the pairs met (k, 2)."""
+        pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), met])
         return self._gather(np.unique(pairs, axis=0), held)
 
     def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -73,30 +74,37 @@ class Watch:
         self.pairs = self._overlapping()
         self.times, self.sure = self._events(self.pairs, held, now)
 
-    def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, ignore: tuple[int, int] | None) -> None:
-        """Find anew the events of all pairs with one of the bodies, whose paths start at t; ignore: one stalled pair."""
+    def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, ignore: np.ndarray) -> None:
+        """Find anew the events of all pairs with one of the bodies, whose paths start at t; ignore (k, 2): stalled pairs."""
         self._boxes(bodies, self.end - t)
         changed = np.zeros(len(self.boxes), dtype=bool)
         changed[bodies] = True
         kept = ~changed[self.pairs].any(axis=1)
         pairs = self._pairs_of(bodies)
-        if ignore is not None:
-            pairs = pairs[~((pairs == min(ignore)).any(axis=1) & (pairs == max(ignore)).any(axis=1))]
+        for a, b in ignore:
+            pairs = pairs[(pairs[:, 0] != a) | (pairs[:, 1] != b)]
         times, sure = self._events(pairs, held, t)
         self.pairs = np.concatenate([self.pairs[kept], pairs])
         self.times = np.concatenate([self.times[kept], times])
         self.sure = np.concatenate([self.sure[kept], sure])
         self.held = held
 
-    def next(self) -> tuple[float, int, int]:
-        """Time and parties of the earliest event; infinity if there is none. A search that gave up is taken up again."""
+    def next(self) -> tuple[float, np.ndarray]:
+        """Time and pairs (k, 2) of the earliest event; infinity if there is none. What gave up is taken up again.
+
+        Pairs that touch within TOGETHER of a leg of each other are one event: what is symmetric stays so.
+        """
         while len(self.times):
             k = int(np.argmin(self.times))
-            if self.sure[k] or not np.isfinite(self.times[k]):
-                return float(self.times[k]), int(self.pairs[k, 0]), int(self.pairs[k, 1])
-            times, sure = self._events(self.pairs[k : k + 1], self.held, float(self.times[k]))
+            first = float(self.times[k])
+            if not np.isfinite(first):
+                break
+            if self.sure[k]:
+                which = (self.times <= first + TOGETHER * (self.end - self.now)) & (self.sure == 1)
+                return float(self.times[which].max()), self.pairs[which]
+            times, sure = self._events(self.pairs[k : k + 1], self.held, first)
             self.times[k], self.sure[k] = times[0], sure[0]
-        return NEVER, -1, -1
+        return NEVER, self.pairs[:0]
 
     def _boxes(self, which: np.ndarray, sweep: float) -> None:
         a = self.arena
