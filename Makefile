@@ -1,13 +1,14 @@
 # `make run`   sets up, runs decks/anvil and draws it        `make test`      sets up, all tests of a normal day
 # `make lint`  ruff, lint and format                         `make test-all`  the slow ones too
 # `make docs`  the deck reference from the registry          `make clean`     removes what make made
+# `make bench-collision`  cost and error of each part of the collision model; PART=search runs that one
 
 PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: run test test-all lint docs clean setup
+.PHONY: run test test-all lint docs bench-collision clean setup
 
 setup: $(READY)
 
@@ -32,6 +33,9 @@ lint: $(READY)
 
 docs: $(READY)
 	$(BIN)/python -m flowgmo.deck.reference > docs/deck-reference.md
+
+bench-collision: $(READY)
+	$(BIN)/python tests/cost/bench_collision.py $(PART)
 
 clean:
 	rm -rf $(VENV) build *.egg-info decks/*/*.out

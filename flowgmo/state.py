@@ -47,6 +47,8 @@ class State:
     support: np.ndarray
     held_parts: np.ndarray
     held_values: np.ndarray
+    asleep: np.ndarray
+    quiet: np.ndarray
     general: bool  # the closed forms of balls no longer do: the contact engine has taken over (collision/stage.py)
     books: np.ndarray
     fluid: None = None
@@ -83,6 +85,8 @@ def initial_state(model: Model) -> State:
         support=np.full((n, 3), -1, dtype=np.int32),
         held_parts=np.zeros((0, 3), dtype=np.int64),
         held_values=np.zeros((0, 10)),
+        asleep=np.zeros(n, dtype=np.int64),
+        quiet=np.zeros(n, dtype=np.int64),
         general=False,
         books=np.zeros(len(BOOKS)),
     )

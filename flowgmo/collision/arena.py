@@ -49,6 +49,7 @@ class Arena:
         taking_part = model.contacts.allowed.any(axis=1)
         self.movable = ((motion != STILL) & (motion != DRIVEN)).astype(np.int64)
         self.movers = np.flatnonzero((motion != STILL) & taking_part)
+        self.wakeful = np.ones(n + 6, dtype=np.int64)  # all parties awake
         self.finite_reach = np.where(np.isfinite(self.reach), self.reach, 0.0)
         self.pull = np.zeros((n + 6, 3))  # gravity's acceleration of parties that an impulse can move
         self.pull[self.movable == 1] = model.gravity

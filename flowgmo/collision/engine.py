@@ -21,6 +21,7 @@ from flowgmo.collision.gather import mark_joined, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.hold import Holder
 from flowgmo.collision.laws import Law
+from flowgmo.collision.sleep import Sleep
 from flowgmo.collision.strike import Striker
 from flowgmo.collision.watch import Watch
 from flowgmo.errors import StepFailed
@@ -40,11 +41,13 @@ class Engine:
         self.watch = watch
         self.holder = Holder(arena, watch)
         self.corrector = Corrector(arena)
+        self.sleep = Sleep(arena)
         self.held = no_contacts()
 
     def move(self, t0: float, t1: float, room: Room) -> None:
         """Bring room.motion (n,) from t0 to t1 through all impacts; room gets rows, records and books."""
         self.arena.load(room.motion, t0)
+        self.sleep.begin()
         self.room, self.books, self.step, self.row = room, np.zeros(4), t1 - t0, 0
         self.holder.leg = self.step
         now = t0
@@ -58,20 +61,34 @@ class Engine:
     def _leg(self, now: float, t1: float) -> float:
         """One leg from now; returns its end, at which all bodies stand."""
         arena = self.arena
-        contacts = self.watch.touching(self.held)
+        contacts, resting = self._touching()
         if self.watch.located:
             contacts = self.corrector.correct(contacts)
         contacts = self._strike(contacts, now, False)
         longest = min(self.holder.longest_leg(contacts), self.watch.longest())
         legs = max(1, int(np.ceil((t1 - now) / longest * (1.0 - 1e-9)))) if np.isfinite(longest) else 1
         end = t1 if legs == 1 else now + (t1 - now) / legs
-        self.held = self.holder.hold(contacts, arena.movers, now, end)
-        self.watch.start(self.held, now, end)
+        awake = arena.movers[self.sleep.asleep[arena.movers] == 0]
+        self.held = merge(resting, self.holder.hold(contacts, awake, now, end))
+        self.watch.start(self.held, now, end, self.sleep.awake())
         self._events(now, end)
         self._rows_until(end)
         self.holder.ledger.close(end, self.books)
         self._bring(arena.movers, end)
+        self.sleep.fall_asleep(self.held)
         return end
+
+    def _touching(self) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts of all parties that are awake, and the held ones among those that sleep; touched sleepers wake."""
+        while True:
+            awake = self.sleep.awake()
+            rests = (awake[self.held["a"]] | awake[self.held["b"]]) == 0
+            contacts = self.watch.touching(self.held[~rests], awake)
+            touched = self.arena.parties_of(contacts)
+            touched = touched[self.sleep.asleep[touched] == 1]
+            if not touched.size:
+                return contacts, self.held[rests]
+            self.sleep.wake(touched, self.held)
 
     def _events(self, now: float, end: float) -> None:
         """All events until the end of the leg, the earliest first."""
@@ -99,6 +116,7 @@ class Engine:
         mark_joined(self.held, self.arena.movable, joined)
         mine = (joined[self.held["a"]] | joined[self.held["b"]]) == 1
         bodies = np.flatnonzero(joined)
+        self.sleep.wake(bodies, self.held)
         self.holder.ledger.close(t, self.books, joined)
         self._bring(self.arena.parties_of(self.held[mine], *met.ravel()), t)
         contacts = self.watch.touching_now(self.held[mine], met)

@@ -17,6 +17,7 @@ from flowgmo.collision.gather import no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.laws import Law
 from flowgmo.collision.ledger import Ledger
+from flowgmo.collision.sleep import Sleep
 from flowgmo.collision.strike import Striker
 from flowgmo.collision.watch import Watch
 from flowgmo.world import Room
@@ -28,6 +29,7 @@ class MicroEngine:
     def __init__(self, arena: Arena, law: Law, watch: Watch | GridWatch) -> None:
         self.arena, self.watch = arena, watch
         self.striker = Striker(arena, law)
+        self.sleep = Sleep(arena)  # its bodies never sleep: only for the State
         self.held = no_contacts()
         self.ledger = Ledger(arena)
         self.deepest = 0.0
@@ -47,7 +49,7 @@ class MicroEngine:
                 room.rows_books[row] += books + lost
                 row += 1
             room.stops.extend(arena.bring(arena.movers, end, books))
-            contacts = self.watch.touching(self.held)
+            contacts = self.watch.touching(self.held, arena.wakeful)
             contacts["fresh"] = 1
             self.deepest = max(self.deepest, float(-contacts["gap"].min(initial=0.0)))
             if len(contacts):

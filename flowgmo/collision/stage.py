@@ -65,8 +65,9 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
             return
     engine = collisions.engine
     engine.held = _held_of(state)
+    engine.sleep.load(state.asleep, state.quiet)
     engine.move(state.t, t1, room)
-    room.held = _parts_of(engine.held)
+    room.held = (*_parts_of(engine.held), *engine.sleep.store())
 
 
 def _held_of(state: State) -> np.ndarray:

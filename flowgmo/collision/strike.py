@@ -17,6 +17,8 @@ import numpy as np
 from flowgmo.collision.arena import Arena, cross, lengths, records_of
 from flowgmo.collision.gather import KEPT, approaches, islands
 from flowgmo.collision.respond import set_all
+from flowgmo.collision.together import strike_in_turn
+from flowgmo.errors import StepFailed
 from flowgmo.records import REST
 from flowgmo.state import FROM_PRESCRIBED, LOST_IN_IMPACTS
 
@@ -33,11 +35,17 @@ class Outcome:
     speed: np.ndarray  # (m,) normal velocity of every contact afterwards
 
 
+def _is_finite(group: np.ndarray, twists: np.ndarray) -> bool:
+    parties = np.concatenate([group["a"], group["b"]])
+    return bool(np.isfinite(group["impulse"]).all() and np.isfinite(twists["v"][parties]).all())
+
+
 class Striker:
     """Resolves impacts with the laws that the deck chose; `resolve` is the law of clusters, `single` that of a pair."""
 
     def __init__(self, arena: Arena, law: object) -> None:
         self.arena, self.law = arena, law
+        self.lost = 0  # clusters that were resolved pair after pair for want of a solution
 
     def strike(self, contacts: np.ndarray, t: float, span: float, plastic: bool, books: np.ndarray) -> Outcome:
         """Resolve all impacts among contacts (m,) at time t; the parties' poses stand at t.
@@ -113,8 +121,14 @@ class Striker:
 
     def _resolve(self, group: np.ndarray, t: float, books: np.ndarray) -> None:
         arena = self.arena
-        before = arena.twists.copy()
+        before, contacts = arena.twists.copy(), group.copy()
         self.law(group, arena.responses, arena.twists)
+        if not _is_finite(group, arena.twists):  # a cluster that its law cannot resolve: pair after pair
+            group[:], arena.twists[:] = contacts, before
+            strike_in_turn(group, arena.responses, arena.twists)
+            self.lost += 1
+            if not _is_finite(group, arena.twists):
+                raise StepFailed(f"{len(group)} contacts that touch at t = {t:.6g} could not be resolved together")
         books[LOST_IN_IMPACTS] += group["loss"].sum()
         for side, sign in (("a", 1.0), ("b", -1.0)):
             party = group[side]

@@ -48,10 +48,10 @@ class Watch:
         """No bound on a leg comes from here."""
         return NEVER
 
-    def touching(self, held: np.ndarray) -> np.ndarray:
-        """All contacts of the moment; the rows of arena.motion stand at one time. held: those before."""
+    def touching(self, held: np.ndarray, awake: np.ndarray) -> np.ndarray:
+        """All contacts of the moment of parties that are awake (n+6,); arena.motion stands at one time. held: those before."""
         self._boxes(self.all, 0.0)
-        return self._gather(self._overlapping(), held)
+        return self._gather(self._overlapping(awake), held)
 
     def touching_now(self, held: np.ndarray, met: np.ndarray) -> np.ndarray:
         """Contacts of the pairs in `held` and of the pairs met (k, 2)."""
@@ -67,11 +67,11 @@ class Watch:
         _, first = np.unique(found["regime"], return_index=True)  # where two are the same contact: the first
         return found[first], order[found["regime"][first]]
 
-    def start(self, held: np.ndarray, now: float, end: float) -> None:
-        """Find the next events of all pairs in [now, end)."""
+    def start(self, held: np.ndarray, now: float, end: float, awake: np.ndarray) -> None:
+        """Find the next events in [now, end) of all pairs of which one is awake (n+6,)."""
         self.now, self.end = now, end
         self._boxes(self.all, end - now)
-        self.pairs = self._overlapping()
+        self.pairs = self._overlapping(awake)
         self.times, self.sure = self._events(self.pairs, held, now)
 
     def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, ignore: np.ndarray) -> None:
@@ -110,11 +110,12 @@ class Watch:
         a = self.arena
         sweep_boxes(which, sweep, a.shapes, a.bodies, a.motion, a.paths, a.bounds, KEPT, self.boxes)
 
-    def _overlapping(self) -> np.ndarray:
+    def _overlapping(self, awake: np.ndarray) -> np.ndarray:
         while True:
             count = pairs_of_boxes(self.boxes, self.allowed, self.order, self.list)
             if count <= len(self.list):
                 pairs = self.list[:count]
+                pairs = pairs[(awake[pairs[:, 0]] | awake[pairs[:, 1]]) == 1]
                 return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
             self.list = np.zeros((2 * count, 2), dtype=np.int64)
 
