@@ -120,7 +120,7 @@ class Job:
 
         model, state = self.model, self.state
         if not _kernels_cached():
-            self.log.print("first start: compiling the kernels of this scene, 5 to 30 s; later starts load them\n")
+            self.log.print("first start: compiling the kernels of this scene, 5 to 60 s; later starts load them\n")
         if self.resume_at is None:
             self._write_rows(rows_of_state(self.world, state))
             self.snapshots.write(state)
@@ -217,6 +217,12 @@ class Job:
             with suppress(Exception):  # the first error is the one to report
                 part.close()
 
+    def _limits(self) -> list[str]:
+        """What was met on the way that a user should know of."""
+        stops = [f"{self.limits} stops met"] if self.limits else []
+        collisions = self.world.collisions if hasattr(self, "world") else None
+        return stops + (collisions.notices() if collisions is not None else [])
+
     def _summary(self, code: int, reason: str) -> dict:
         wall = time.perf_counter() - self.began
         parts = {**self.world.seconds, "output": self.writing} if hasattr(self, "world") else {}
@@ -233,7 +239,7 @@ class Job:
             "peak_memory_bytes": _peak_memory(),
             "energy": energy,
             "collisions": {"total": self.state.impacts, "per_body": self.per_body},
-            "limits": [f"{self.limits} stops met"] if self.limits else [],
+            "limits": self._limits(),
             "versions": versions(),
             "command_line": self.command_line,
         }

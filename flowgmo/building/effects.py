@@ -52,7 +52,7 @@ def list_effects(deck: Deck, bodies: tuple[Body, ...], contacts: ContactPlan | N
         text = f"loads that keep the prescribed motion of {_count(kept, 'body', 'bodies')}"
         on("residual", text, name, kept[0].number)
     if contacts is not None:
-        on("collisions", "impacts at their own times, resting on flats", "ICLID")
+        on("collisions", "impacts at their own times, rest, sliding, rolling", "ICLID")
         if (contacts.friction[contacts.allowed] > 0.0).any():
             rough = next((b.number for b in bodies if deck.given("CFRC", b.number) and b.friction > 0.0), None)
             on(
@@ -60,6 +60,8 @@ def list_effects(deck: Deck, bodies: tuple[Body, ...], contacts: ContactPlan | N
                 "Coulomb friction in impacts, sliding and rolling",
                 *(("CFRC", rough) if rough else ("FRCMOB",)),
             )
+        if contacts.sleep and not contacts.closed_form:
+            on("sleep", "bodies at rest cost nothing until something touches them", "SLEEP")
     return tuple(effects)
 
 

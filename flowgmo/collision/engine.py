@@ -44,6 +44,28 @@ class Engine:
         self.sleep = Sleep(arena)
         self.held = no_contacts()
 
+    def notices(self) -> list[str]:
+        """What the user should know of the run so far: what had no solution, what overlapped."""
+        holder, striker, corrector = self.holder, self.striker, self.corrector
+        found = []
+        if holder.impossible:
+            found.append(
+                f"{holder.impossible} of {holder.solved} solutions for contact forces had to leave an approach: a driven "
+                "body presses another where it cannot give way; least violation was taken"
+            )
+        if holder.unfinished:
+            found.append(
+                f"{holder.unfinished} of {holder.solved} solutions for contact forces did not reach their tolerance; "
+                f"largest residual {holder.worst:.1e} of the free speed"
+            )
+        if striker.lost:
+            found.append(
+                f"{striker.lost} clusters of impacts were resolved pair after pair for want of a joint solution"
+            )
+        if corrector.deepest > 0.0:
+            found.append(f"deepest overlap taken away by a shift: {corrector.deepest:.2e} (length)")
+        return found
+
     def move(self, t0: float, t1: float, room: Room) -> None:
         """Bring room.motion (n,) from t0 to t1 through all impacts; room gets rows, records and books."""
         self.arena.load(room.motion, t0)

@@ -23,7 +23,7 @@ from flowgmo.collision.arena import Arena, cross, lengths
 from flowgmo.collision.gather import approaches, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.ledger import Ledger
-from flowgmo.collision.persistent import IMPOSSIBLE, solve
+from flowgmo.collision.persistent import IMPOSSIBLE, TOO_MANY, solve
 from flowgmo.collision.respond import coast, free_twists, gyroscopic, set_paths
 from flowgmo.collision.watch import Watch
 
@@ -35,6 +35,7 @@ PARTING = 1e-9  # of the largest change of normal speed in the leg: a smaller sp
 
 
 ROUND_OFF = 1e-12  # of the change of turning: a smaller correction is not worth a second solution
+STILL_SPEED = 3.0  # of tolerance times g h: what several contacts' tolerances may add up to
 STILL_PART = 1e-9  # of its reach: a party that moves less in a leg touches as it did
 
 
@@ -61,6 +62,7 @@ class Holder:
         self.ledger = Ledger(arena)
         self.sweeps, self.solved, self.impossible = 0, 0, 0  # for the log: sweeps of all solutions, how many, in vain
         self.leg = np.inf  # length of the step [time]
+        self.unfinished = 0  # solutions that ended at the bound on sweeps
         self.worst = 0.0  # largest residual so far, for the log
 
     def longest_leg(self, contacts: np.ndarray) -> float:
@@ -99,6 +101,7 @@ class Holder:
         before = free.copy()
         if self._turn_further(parties, free, end - now):
             self._solve(middle, bias)
+        self._still(parties, start, end - now)
         contacts["impulse"] = middle["impulse"]
         push = lengths(contacts["impulse"]) > 0.0
         for side in ("a", "b"):
@@ -107,6 +110,20 @@ class Holder:
         self.ends[pressed == 0] = free[pressed == 0]
         set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
         return self._staying(contacts, middle, start, before, now, end)
+
+    def _still(self, parties: np.ndarray, start: np.ndarray, span: float) -> None:
+        """Bodies that no more than the solution's tolerance moves, before and after, are at rest: they do not creep."""
+        arena = self.arena
+        parties = parties[arena.movable[parties] == 1]
+        limit = STILL_SPEED * TOLERANCE * arena.gravity * span
+        fast = np.zeros(len(parties))
+        for twists in (start, self.ends):
+            fast = np.maximum(
+                fast, lengths(twists["v"][parties]) + lengths(twists["w"][parties]) * arena.reach[parties]
+            )
+        rests = parties[fast <= limit]
+        self.ends["v"][rests] = 0.0
+        self.ends["w"][rests] = 0.0
 
     def _turn_further(self, parties: np.ndarray, free: np.ndarray, span: float) -> bool:
         """Add to the free twists what the impulses found change the turning by; whether it is worth solving again."""
@@ -161,6 +178,7 @@ class Holder:
         self.solved += 1
         self.worst = max(self.worst, residual)
         self.impossible += status == IMPOSSIBLE
+        self.unfinished += status == TOO_MANY
 
     def _staying(
         self, contacts: np.ndarray, middle: np.ndarray, start: np.ndarray, free: np.ndarray, now: float, end: float

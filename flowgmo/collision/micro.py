@@ -34,6 +34,12 @@ class MicroEngine:
         self.ledger = Ledger(arena)
         self.deepest = 0.0
 
+    def notices(self) -> list[str]:
+        """What the user should know of the run so far."""
+        if self.deepest == 0.0:
+            return []
+        return [f"deepest overlap of bodies: {self.deepest:.2e} (length); micro-collisions do not take it away"]
+
     def move(self, t0: float, t1: float, room: Room) -> None:
         """Bring room.motion (n,) from t0 to t1; room gets rows, records and books."""
         arena = self.arena

@@ -22,6 +22,10 @@ class Collisions:
         self.model, self.arrays, self.laws = model, arrays, laws
         self._balls = self._engine = None
 
+    def notices(self) -> list[str]:
+        """What the user should know of the contacts so far."""
+        return self._engine.notices() if self._engine is not None else []
+
     @property
     def balls(self):  # noqa: ANN201 (balls.stage.Balls: importing it loads its kernels)
         if self._balls is None:
@@ -60,9 +64,8 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     Raises StepFailed; step.py then leaves the state as it was.
     """
     collisions = world.collisions
-    if world.model.contacts.closed_form and not state.general:
-        if collisions.balls.move(world, state, t1, room):
-            return
+    if world.model.contacts.closed_form and not state.general and collisions.balls.move(world, state, t1, room):
+        return
     engine = collisions.engine
     engine.held = _held_of(state)
     engine.sleep.load(state.asleep, state.quiet)

@@ -16,7 +16,8 @@ from flowgmo.collision.sweep import next_events
 from flowgmo.collision.touching import MOST_POINTS
 
 NEVER = np.inf
-TOGETHER = 1e-9  # of a leg: pairs that touch nearer to each other in time than this touch at once
+TOGETHER = 1e-6  # of a leg: pairs that touch nearer to each other in time than this are looked at together
+SLACK = 2.0  # times `touch`: searches for one and the same instant end anywhere between half of it and the whole
 
 
 class Watch:
@@ -56,7 +57,7 @@ class Watch:
     def touching_now(self, held: np.ndarray, met: np.ndarray) -> np.ndarray:
         """Contacts of the pairs in `held` and of the pairs met (k, 2)."""
         pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), met])
-        return self._gather(np.unique(pairs, axis=0), held)
+        return self._gather(np.unique(pairs, axis=0), held, slack=SLACK)
 
     def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), and their places in m (k,)."""
@@ -92,7 +93,7 @@ class Watch:
     def next(self) -> tuple[float, np.ndarray]:
         """Time and pairs (k, 2) of the earliest event; infinity if there is none. What gave up is taken up again.
 
-        Pairs that touch within TOGETHER of a leg of each other are one event: what is symmetric stays so.
+        With it come the pairs that touch within TOGETHER of a leg: what is symmetric stays so.
         """
         while len(self.times):
             k = int(np.argmin(self.times))
@@ -101,7 +102,7 @@ class Watch:
                 break
             if self.sure[k]:
                 which = (self.times <= first + TOGETHER * (self.end - self.now)) & (self.sure == 1)
-                return float(self.times[which].max()), self.pairs[which]
+                return first, self.pairs[which]
             times, sure = self._events(self.pairs[k : k + 1], self.held, first)
             self.times[k], self.sure[k] = times[0], sure[0]
         return NEVER, self.pairs[:0]
@@ -128,13 +129,16 @@ class Watch:
                 return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
             self.list = np.zeros((2 * count, 2), dtype=np.int64)
 
-    def _gather(self, pairs: np.ndarray, held: np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
+    def _gather(
+        self, pairs: np.ndarray, held: np.ndarray, rows: np.ndarray | None = None, slack: float = 1.0
+    ) -> np.ndarray:
         a = self.arena
         rows = a.motion if rows is None else rows
+        touch = a.touch if slack == 1.0 else slack * a.touch
         first = self._first(pairs, held)
         while True:
             total, most, deepest = gather(
-                a.shapes, pairs, len(pairs), rows, a.plan, a.touch, held, first, self.out, self.room, self.points
+                a.shapes, pairs, len(pairs), rows, a.plan, touch, held, first, self.out, self.room, self.points
             )
             if total <= len(self.out) and most <= len(self.room):
                 self.deepest = max(self.deepest, deepest)
