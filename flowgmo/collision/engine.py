@@ -60,7 +60,7 @@ class Engine:
             )
         if striker.lost:
             found.append(
-                f"{striker.lost} clusters of impacts were resolved pair after pair for want of a joint solution"
+                f"{striker.lost} clusters of impacts had no joint solution and were resolved pair by pair"
             )
         if corrector.deepest > 0.0:
             found.append(f"deepest overlap taken away by a shift: {corrector.deepest:.2e} (length)")

@@ -16,7 +16,7 @@ WIDER = 1e-9  # of the reach: rounding must not lose a touch
 
 @kernel
 def sweep_boxes(which, sweep, sh, A, M, P, bounds, slack, boxes):
-    """Boxes (n, 6) of the parties `which`: lowest, highest corner of all that they may touch in the coming sweep [time].
+    """Boxes (n, 6) of the parties `which`: lowest, highest corner of all they may touch in the sweep [time].
 
     Rows of M (n,) stand at the starts of their paths; slack [-]: how much wider, in reaches. A body that moves is taken
     as the ball around B that holds it, one that stands still as its own box. B runs along a parabola where its
@@ -57,13 +57,13 @@ def _course(body, row, path, bound, sweep):
 
 @kernel
 def pairs_of_boxes(boxes, allowed, order, out):
-    """Allowed pairs (i < j) of parties whose boxes (n, 6) meet, into out (m, 2); how many there are, maybe more than m."""
+    """Allowed pairs (i < j) of parties whose boxes (n, 6) meet, into out (m, 2); returns how many, maybe more than m."""
     return overlapping(boxes, allowed, order, out)
 
 
 @kernel
 def pairs_with(bodies, boxes, allowed, out):
-    """Allowed pairs (i < j) with one of the `bodies` (ascending) whose boxes (n, 6) meet, each once, into out (m, 2)."""
+    """Allowed pairs (i < j) with one of `bodies` (ascending) whose boxes (n, 6) meet, each once, into out (m, 2)."""
     count = np.int64(0)
     for k in range(bodies.size):
         i = bodies[k]

@@ -24,7 +24,7 @@ SAME = 1e-6  # of the reach: contact points of neighbouring triangles this near 
 def gather(sh, pairs, count, M, plan, touch, old, first_old, out, room, points):
     """Contacts of pairs (count, 2), the rows of M at one time; they go to `out`, sorted by pair.
 
-    plan (n+6, n+6) of PAIR: e, mu; touch (n+6, n+6) [length]; old: contacts before, sorted by pair, first_old (count, 2).
+    plan (n+6, n+6) of PAIR; touch (n+6, n+6) [length]; old: contacts before, sorted by pair, first_old (count, 2).
     Returns the number of contacts (larger than out.size: enlarge and call again), the largest number of pairs of
     pieces (likewise for room (k, 2)), and the deepest overlap in reaches.
     """
@@ -133,7 +133,7 @@ def islands(contacts, movable, label):
 
 @kernel
 def mark_joined(contacts, movable, mark):
-    """Spread mark (n+6,) from marked parties over contacts (m,) to all that are joined with them through movable ones."""
+    """Spread mark (n+6,) from marked parties over contacts (m,) to all joined with them through movable ones."""
     changed = True
     while changed:
         changed = False

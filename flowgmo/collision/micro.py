@@ -4,8 +4,8 @@
     2  find what touches or overlaps and approaches there
     3  resolve it as impacts; velocities change, places do not
 
-Nothing is located in time and no overlap is corrected: bodies that rest on each other sink by what gravity moves them in
-a step, and the more the larger the step and the smaller e. Kept to compare with.
+Nothing is located in time and no overlap is corrected: bodies that rest on each other sink by what gravity moves them
+in a step, and the more the larger the step and the smaller e. Kept to compare with.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ SIDE = 0.5  # |cosine| of a frustum's normal with its axis below which the conta
 
 @inner
 def _depth(sh, pieces, party, row, x):
-    """Signed distance of the point x from a party (union of its pieces), outward normal there, and curvature [1/length]."""
+    """Signed distance of the point x from a party (union of its pieces), outward normal, curvature [1/length]."""
     least = np.inf
     n = (0.0, 0.0, 1.0)
     curvature = 0.0

@@ -33,7 +33,7 @@ def _apply(contact, responses, twists, impulse, regime, loss):
 
 @kernel
 def strike_exactly(contacts, responses, twists):
-    """Resolve contacts[0] by impact_exact: its impulse, regime, loss, and the twists of both parties. Returns status."""
+    """Resolve contacts[0] by impact_exact: its impulse, regime, loss, and the twists of its parties. Returns status."""
     contact = contacts[0]
     n1, n2, n3, k, v = _in_system(contact, responses, twists)
     impulse, regime, loss, status = impact_exact.impact(k, v, contact.e, contact.mu)

@@ -225,7 +225,7 @@ def next_events(sh, pairs, count, A, laws, M, P, bounds, T, now, end, touch, hel
 
 @inner
 def _way(sh, a, b, A, T, P, bounds, now, end):
-    """How far two parties, their rows at `now` in T, can come nearer until `end` [length]; inside their bounding balls."""
+    """How far two parties, their rows at `now` in T, can come nearer until `end` [length], but for turning."""
     span = end - now
     _, _, ga = motion_bounds(A[a], T[a], P[a], bounds[a], span)
     _, _, gb = motion_bounds(A[b], T[b], P[b], bounds[b], span)

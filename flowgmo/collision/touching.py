@@ -28,7 +28,7 @@ FEATURES = 1 << 31
 def touching_points(sh, i, row_a, j, row_b, n0, within, points):
     """Contact points of pieces i and j, rows of POSE of their bodies, with gap <= within [length].
 
-    points (MOST_POINTS,) of CONTACT get point, normal, gap, feature; n0: a normal near the right one, zeros: none known.
+    points (MOST_POINTS,) of CONTACT get point, normal, gap, feature; n0: a normal near the right one, or zeros.
     Returns how many, the distance of the two, and the normal of the search.
     """
     fi = place(sh.pieces[i], triple(row_a.p), quad(row_a.q))

@@ -50,7 +50,7 @@ class Watch:
         return NEVER
 
     def touching(self, held: np.ndarray, awake: np.ndarray) -> np.ndarray:
-        """All contacts of the moment of parties that are awake (n+6,); arena.motion stands at one time. held: those before."""
+        """All contacts now of parties that are awake (n+6,); arena.motion stands at one time. held: those before."""
         self._boxes(self.all, 0.0)
         return self._gather(self._overlapping(awake), held)
 
@@ -76,7 +76,7 @@ class Watch:
         self.times, self.sure = self._events(self.pairs, held, now)
 
     def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, ignore: np.ndarray) -> None:
-        """Find anew the events of all pairs with one of the bodies, whose paths start at t; ignore (k, 2): stalled pairs."""
+        """Find anew the events of all pairs with one of the bodies, whose paths start at t; ignore (k, 2): stalled."""
         self._boxes(bodies, self.end - t)
         changed = np.zeros(len(self.boxes), dtype=bool)
         changed[bodies] = True
