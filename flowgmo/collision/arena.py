@@ -20,6 +20,7 @@ from flowgmo.records import IMPACT
 
 #: What two parties do: whether they may collide, restitution, friction.
 PAIR = np.dtype([("allowed", "i8"), ("e", "f8"), ("mu", "f8")], align=True)
+LEAST_TOUCH = 1e-12  # radii: searches end in a gap above round-off
 MOST_HITS = 64  # stops that one call may record; further ones still act
 
 
@@ -42,8 +43,9 @@ class Arena:
         self.reach = self.shapes.reach
         self.bounds = build_bounds(self.bodies, laws)
         self.plan = _pairs(model)
-        self.touch = model.contacts.touch * np.minimum(self.reach[:, None], self.reach)
-        self.touch[~np.isfinite(self.touch)] = 0.0
+        radius = np.where(self.shapes.size > 0.0, 0.5 * self.shapes.size, np.inf)  # of a fixed body, too, its own
+        least = np.minimum(radius[:, None], radius)
+        self.touch = max(model.contacts.touch, LEAST_TOUCH) * np.where(np.isfinite(least), least, 0.0)
         self.responses, self.twists = np.zeros(n + 6, RESPONSE), np.zeros(n + 6, TWIST)
         motion = self.bodies["motion"]
         taking_part = model.contacts.allowed.any(axis=1)

@@ -9,7 +9,12 @@ goes straight from v to v', so its mean work per impulse is known by hand, with 
                    (v'²/e² - v²) / (2 (v' - v))   from closing to opening, and alike from opening to closing
 
     depth   δ' = δ - h taken,     normal impulse  Δn = h × mean of δ^η over the straight way from δ to δ' (Simpson)
-    energy  E' = E - taken Δn;    a spring that would end below zero gives Δn = E / taken instead: it ends, exactly
+    energy  E' = E - taken Δn;    a spring that would end below zero gives Δn = E / taken instead: it ends
+
+Where friction lets the sweeps stop early, `taken` still moves after Δn was found, and a spring that ended keeps
+some 1e-8 of its energy. The next step ends it again, and so on: left alone, E would fall by that factor a step, for as
+long as the others push, down to numbers that have no digits and divide to infinity. So a spring that opens is over when
+its energy could move no contact by more than round-off: K_nn <= 1, so that is E <= ½ ROUND_OFF².
 
 The bodies' kinetic energy changes by ½ (v + v')·Δ, the same quadratic form: nothing is created by the size of the step.
 The tangential parts of Δ come from friction.coulomb. All together are found by sweeps over the active contacts, each
@@ -25,6 +30,8 @@ from flowgmo.kernel import inner
 
 ROUND_OFF = 1e-13  # change of a velocity, in v_ref, that a sweep may leave; sums of some hundred contacts round to it
 SLOWEST = 0.1  # e below it does not shorten the steps further: its whole release carries less than 1 % of the energy
+
+SPENT = 0.5 * ROUND_OFF * ROUND_OFF  # energy [v_ref²/K_ref] that moves no contact by more than ROUND_OFF: K_nn <= 1
 
 COARSEST = 0.3  # h ω that is never exceeded: ten steps a swing, sweeps contract by 0.02
 
@@ -101,8 +108,9 @@ def _wanted(s, h, eta):
 def _guess(s, h, eta):
     """Impulse of a step to begin with: the force half a step on, tilted as the last step's; clears dp."""
     z = h * power(max(s.depth - 0.5 * h * s.v[2], 0.0), eta)
-    tilt = z / s.dp[2] if s.dp[2] > 0.0 else 0.0
-    x, y = tilt * s.dp[0], tilt * s.dp[1]
+    x, y = 0.0, 0.0
+    if s.dp[2] > 0.0:
+        x, y = z * (s.dp[0] / s.dp[2]), z * (s.dp[1] / s.dp[2])  # the cone bounds these ratios, not z / dp
     s.dp[0] = 0.0
     s.dp[1] = 0.0
     s.dp[2] = 0.0
@@ -190,7 +198,7 @@ def accept(springs, active, count, eta):
         left = max(s.stored - work * s.dp[2], 0.0)
         if s.rate == 0.0 and w >= -10.0 * ROUND_OFF:  # e = 0: at the end of compression all is lost
             left = 0.0
-        if work > 0.0 and left <= 1e-12 * s.stored:  # an ended spring, within round-off
+        if work > 0.0 and left <= max(1e-12 * s.stored, SPENT):  # an ended spring, within round-off
             left = 0.0
         s.loss += s.stored - left
         s.stored = left

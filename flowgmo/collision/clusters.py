@@ -37,7 +37,7 @@ from flowgmo.records import CLUSTER, SLIP, STICK
 
 # how a cluster can end
 DONE = 0
-UNFINISHED = 1  # the bound on steps was met: the rest was resolved as plastic
+UNFINISHED = 1  # the bound on steps was met, or a step gave no numbers: the rest was resolved as plastic
 IMPOSSIBLE = 2  # driven bodies leave no velocity without approach: least violation
 # phases: whether there is a velocity without approach; the law, and a plastic end for what was slow enough to be left,
 # locked, or unfinished; the least violation
@@ -100,10 +100,20 @@ def _locked(springs, active, count):
 
 
 @inner
+def _finite(springs):
+    """Whether the end velocities of the tried step are numbers; impulses that are none would show in them."""
+    total = 0.0
+    for i in range(springs.shape[0]):
+        w = springs[i].end
+        total += w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
+    return total < np.inf
+
+
+@inner
 def _integrate(springs, links, eta, fraction, rough, most):
     """Step until nothing is stored and nothing approaches, or what is stored cannot come out.
 
-    Returns whether `most` steps did. If not, and where it is locked, energy is still stored.
+    Returns whether `most` steps did, each of them with numbers. If not, and where it is locked, energy is still stored.
     """
     active = np.zeros(springs.shape[0], np.int64)
     first_approach = largest_approach(springs)
@@ -131,6 +141,8 @@ def _integrate(springs, links, eta, fraction, rough, most):
             if first == 1.0:
                 break
             part *= first
+        if not _finite(springs):
+            return False
         accept(springs, active, count, eta)
     return False
 
@@ -154,11 +166,14 @@ def resolve(contacts, responses, twists, eta, fraction):
     responses, twists (n,): of the parties; eta [-]: exponent of the springs; fraction [-]: step h ω, 0.03 gives
     velocities to 1e-4, and 0.01 to 1e-5. Writes impulse, regime, loss of the contacts and the twists after. Returns
     status and the largest approach speed that is left [length/time]. ½ (v⁻ + v⁺)·J summed, which is the change of the
-    kinetic energy where no party is driven, does not rise and is minus the sum of the losses; |Jt| <= μ Jn.
+    kinetic energy where no party is driven, does not rise and is minus the sum of the losses; |Jt| <= μ Jn. Input that
+    is not finite is left as it is (UNFINISHED, inf); other input gives numbers.
     """
     rough = any_rough(contacts)
     m = contacts.shape[0]
     springs, links, v_ref, k_ref = couple(contacts, responses, twists, rough)
+    if largest_approach(springs) == np.inf:
+        return UNFINISHED, np.inf
     status = DONE
     phase = TRY if _driven(contacts, responses, twists) else LAW
     if k_ref == 0.0:
@@ -177,6 +192,9 @@ def resolve(contacts, responses, twists, eta, fraction):
             break
         start_again(springs)
         phase = LEAST if left > IN_VAIN else LAW
+    if largest_approach(springs) == np.inf:  # the last resort: no impulse at all
+        status = UNFINISHED
+        start_again(springs)
     no_gain(springs)
     write_back(springs, contacts, responses, twists, v_ref, k_ref if k_ref > 0.0 else 1.0)
     for i in range(m):

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.collision.cluster_step import ROUND_OFF
 from flowgmo.collision.contact import push, symmetric_times
 from flowgmo.kernel import inner
 from flowgmo.vectors import along, cross, dot, put, scale, sub, triple
@@ -82,7 +83,7 @@ def _place(s, contact, responses, twists, lowest):
         s.axes[1, k] = t2[k]
         s.axes[2, k] = n[k]
     s.mu = contact.mu
-    s.rate = 1.0 / (contact.e * contact.e) if contact.e > 0.0 else 0.0
+    s.rate = 1.0 / (contact.e * contact.e) if contact.e > ROUND_OFF else 0.0  # e v is no velocity: plastic
     for side in range(2):
         party = contact.a if side == 0 else contact.b
         response, twist = responses[party], twists[party]

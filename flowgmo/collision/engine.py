@@ -50,7 +50,7 @@ class Engine:
         found = []
         if holder.impossible:
             found.append(
-                f"{holder.impossible} of {holder.solved} solutions for contact forces had to leave an approach: a driven "
+                f"{holder.impossible} of {holder.solved} solutions for contact forces leave an approach: a driven "
                 "body presses another where it cannot give way; least violation was taken"
             )
         if holder.unfinished:
@@ -59,9 +59,7 @@ class Engine:
                 f"largest residual {holder.worst:.1e} of the free speed"
             )
         if striker.lost:
-            found.append(
-                f"{striker.lost} clusters of impacts had no joint solution and were resolved pair by pair"
-            )
+            found.append(f"{striker.lost} clusters of impacts had no joint solution and were resolved pair by pair")
         if corrector.deepest > 0.0:
             found.append(f"deepest overlap taken away by a shift: {corrector.deepest:.2e} (length)")
         return found

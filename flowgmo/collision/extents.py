@@ -57,7 +57,7 @@ def _course(body, row, path, bound, sweep):
 
 @kernel
 def pairs_of_boxes(boxes, allowed, order, out):
-    """Allowed pairs (i < j) of parties whose boxes (n, 6) meet, into out (m, 2); returns how many, maybe more than m."""
+    """Allowed pairs (i < j) of parties whose boxes (n, 6) meet, into out (m, 2); returns how many, maybe above m."""
     return overlapping(boxes, allowed, order, out)
 
 

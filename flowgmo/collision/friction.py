@@ -36,7 +36,8 @@ def coulomb(kxx, kyy, kxy, vx, vy, bx, by, limit):
     floor = 1e-13 * (kxx + kyy)  # a direction in which nothing moves (fixed point, axis) must not divide by zero
     if floor > 0.0:
         x, y = _solved(kxx, kyy, kxy, floor, bx, by)
-        if x * x + y * y <= limit * limit and vx * x + vy * y >= 0.0:
+        held = abs(x) <= limit and abs(y) <= limit  # first without squares, which vanish for the smallest numbers
+        if held and x * x + y * y <= limit * limit and vx * x + vy * y >= 0.0:
             return -x, -y
     cx, cy = 0.5 * (vx + bx), 0.5 * (vy + by)
     size = np.sqrt(cx * cx + cy * cy)

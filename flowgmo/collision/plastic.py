@@ -9,6 +9,8 @@ K q = 0, v·q < 0) a small ε gives the velocities of least violation, in the se
 
 from __future__ import annotations
 
+import numpy as np
+
 from flowgmo.collision.coupling import strike
 from flowgmo.kernel import inner
 
@@ -19,11 +21,14 @@ CLOSE = 1e-13  # change of a velocity [v_ref] at which the sweeps end: round-off
 
 @inner
 def largest_approach(springs):
-    """Largest approach speed [v_ref]; zero where nothing approaches."""
+    """Largest approach speed [v_ref]; zero where nothing approaches, infinite where a velocity is no number."""
     worst = 0.0
+    total = 0.0
     for i in range(springs.shape[0]):
-        worst = max(worst, -springs[i].v[2])
-    return worst
+        v = springs[i].v
+        worst = max(worst, -v[2])
+        total += abs(v[0]) + abs(v[1]) + abs(v[2])
+    return worst if total < np.inf else np.inf
 
 
 @inner

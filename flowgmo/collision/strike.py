@@ -99,7 +99,7 @@ class Striker:
         group["e"][(ends | plastic) & (group["e"] < 1.0)] = 0.0
 
     def returns(self, contacts: np.ndarray, speed: np.ndarray, span: float) -> np.ndarray:
-        """(m,) whether contacts that part with `speed` [length/time] rest again within the span, all bounces included."""
+        """(m,) whether contacts that part with `speed` [length/time] rest again within the span, bounces included."""
         pull = self._pull(contacts)
         return (pull > 0.0) & (2.0 * speed < span * pull * (1.0 - contacts["e"]))
 

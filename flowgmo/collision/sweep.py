@@ -211,8 +211,8 @@ def next_events(sh, pairs, count, A, laws, M, P, bounds, T, now, end, touch, hel
                 near += KEPT * min(sh.pieces[i].reach, sh.pieces[j].reach)  # held, with a gap that drift has left
             if s <= near:
                 t = next_arrival(
-                    sh, i, j, A, laws, M, P, bounds, T, now, best, touch[a, b], held, first_held[k, 0], first_held[k, 1],
-                    points, hits,
+                    sh, i, j, A, laws, M, P, bounds, T, now, best, touch[a, b], held, first_held[k, 0],
+                    first_held[k, 1], points, hits,
                 )  # fmt: skip
             else:
                 t, good = first_touch(sh, i, j, A, laws, M, P, bounds, T, now, best, touch[a, b], hits)

@@ -60,7 +60,7 @@ class Watch:
         return self._gather(np.unique(pairs, axis=0), held, slack=SLACK)
 
     def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), and their places in m (k,)."""
+        """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), their places in m (k,)."""
         pairs = np.unique(np.stack([contacts["a"], contacts["b"]], 1), axis=0)
         order = np.lexsort((contacts["b"], contacts["a"]))
         found = self._gather(pairs, contacts[order], rows)

@@ -31,12 +31,25 @@ def test_break(runs):
     runs.agree("pool", "break", {"balls on the table": 0, "depth in the slate": 1e-9, "energy added": 1e-9})
 
 
-def test_break_rolls_at_the_end(runs):
-    # After 5 s the balls that touch the slate and nothing else roll: slip below 1e-6 of the break's 8 m/s.
+def test_break_slides_then_rolls(runs):
+    # From a ball's last impact with anything but the slate on, friction 0.06 takes 7/2 mu times the normal impulse per
+    # mass, g t - w with w upwards at first (hops included), off its slip; then the ball rolls. Measured: 2e-11 m/s
+    # where it rolls, 3e-12 off the law where it slides; bound 8e-6 = 1e-6 of the break's 8 m/s.
     curves = runs.curves("pool", "break")
-    for ball in curves.bodies:
-        position, v, w = (curves.at(ball, quantity) for quantity in ("position", "velocity", "angular_velocity"))
-        if position[2] > 0.028575 + 1e-9:
+    numbers = {"cue": 1} | {f"ball{k}": k + 1 for k in range(1, 16)}
+    a, b, times = (curves.impacts[name] for name in ("a", "b", "time"))
+    for ball, number in numbers.items():
+        if curves.at(ball, "position")[2] > 0.028575 + 1e-9:
             continue
-        slip = v + np.cross(w, [0.0, 0.0, -0.028575])
-        assert np.linalg.norm(slip[:2]) <= 8e-6
+        others = ((a == number) & (b != 17)) | ((b == number) & (a != 17))
+        row = int(np.searchsorted(curves.time, times[others].max(), side="right"))
+        left = slip(curves, ball, row) - 3.5 * 0.06 * (
+            9.81 * (curves.time[-1] - curves.time[row]) - curves.bodies[ball]["velocity"][row, 2]
+        )
+        assert abs(slip(curves, ball, -1) - max(left, 0.0)) <= 8e-6, ball
+
+
+def slip(curves, ball, row):
+    """Speed of a ball's lowest point along the slate in a row."""
+    body = curves.bodies[ball]
+    return np.linalg.norm((body["velocity"][row] + np.cross(body["angular_velocity"][row], [0.0, 0.0, -0.028575]))[:2])

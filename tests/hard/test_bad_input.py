@@ -155,10 +155,6 @@ WRONG = {
         ["bad.nml:9: &obs imo(1)=4", "imobs=1"],
     ),
     "iclid without imobs": (deck().replace("imobs=1,", ""), ["bad.nml:3: &xput iclid=1", "Write imobs=1"]),
-    "box that collides": (
-        deck(BODY.replace("rsh(1)=.1", "xl(1)=0., xh(1)=.1, yl(1)=0., yh(1)=.1, zl(1)=0., zh(1)=.1")),
-        ["bad.nml:3: &xput iclid=1", "obs1 is a box", "not yet", "iclidob(1,1)=0"],
-    ),
     "component left out": (
         deck(f"{BODY}, ifcompenabled(1)=0"),
         ["bad.nml:13: &obs ifcompenabled(1)=0", "not computed"],
@@ -313,19 +309,16 @@ def test_no_file_may_grow(tmp_path, size):
 # ---- runs that fail
 
 
-def test_balls_that_pile_up(flowgmo, tmp_path):
-    """Resting on another ball is not computed: exit 1, the reason in all three places, restart.h5 = last good state."""
-    second = "imo(2)=4, rhomvb(2)=1000., iob(2)=2, rsh(2)=.1, trnz(2)=-.6"
-    text = deck(
-        f"{BODY.replace('rsh(1)=.1', 'rsh(1)=.1, trnz(1)=-.9')}, {second}", xput="gz=-9.81, strngmob=.3", count=2
-    )
-    (tmp_path / "a.nml").write_text(text.replace("twfin=.3", "twfin=5."))
+def test_a_run_that_fails(flowgmo, tmp_path):
+    """A fall beyond all numbers: exit 1, the reason in all three places, restart.h5 = last good state."""
+    text = deck(xput="gz=-1e308", bcdata="ibct(5)=3").replace("twfin=.3", "twfin=5.")
+    (tmp_path / "a.nml").write_text(text)
     code, err = flowgmo("run", "a.nml")
     assert code == 1
     folder = tmp_path / "a.out"
     summary = json.loads((folder / "run.json").read_text())
-    assert summary["status"] == "failed" and "comes to rest on body" in summary["reason"]
-    assert "comes to rest on body" in " ".join((folder / "run.log").read_text().split())
+    assert summary["status"] == "failed" and "range of numbers" in summary["reason"]
+    assert "range of numbers" in " ".join((folder / "run.log").read_text().split())
     times, t = readable(folder)
     assert 0.0 < t < 5.0 and t == summary["t"] and times[-1] <= t
     with h5py.File(folder / "restart.h5") as file:
@@ -334,6 +327,22 @@ def test_balls_that_pile_up(flowgmo, tmp_path):
     assert code == 1  # fails at the same place, in the same words
     again = json.loads((folder / "run.json").read_text())
     assert again["reason"] == summary["reason"] and again["t"] == t
+
+
+def test_balls_that_pile_up(flowgmo, tmp_path):
+    """One ball comes to rest on another: the run goes on to its end, from a restart as well, and they stay."""
+    second = "imo(2)=4, rhomvb(2)=1000., iob(2)=2, rsh(2)=.1, trnz(2)=-.6"
+    text = deck(
+        f"{BODY.replace('rsh(1)=.1', 'rsh(1)=.1, trnz(1)=-.9')}, {second}", xput="gz=-9.81, strngmob=.3", count=2
+    )
+    (tmp_path / "a.nml").write_text(text.replace("twfin=.3", "twfin=2."))
+    assert flowgmo("run", "a.nml") == (0, "")
+    (tmp_path / "a.nml").write_text(text.replace("twfin=.3", "twfin=3."))
+    assert flowgmo("run", "a.nml", "--restart", "a.out/restart.h5") == (0, "")
+    with h5py.File(tmp_path / "a.out" / "history.h5") as file:
+        z = np.stack([file[f"bodies/obs{k}/position"][:, 2] for k in (1, 2)])
+        assert file["time"][-1] == 3.0
+    np.testing.assert_allclose(z[:, -1], [-0.9, -0.7], atol=1e-6)
 
 
 def test_an_unforeseen_error_leaves_readable_files(flowgmo, tmp_path, monkeypatch, capsys):

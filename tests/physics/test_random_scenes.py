@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from flowgmo_scenes import OPEN, WALLS, Scene, ball, deck
 
-from flowgmo.errors import StepFailed
-
 SIZE = 1.0
 
 
@@ -90,14 +88,11 @@ def test_momentum_is_conserved_in_free_space(seed):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_with_any_restitution_it_goes_on_or_says_why_not(seed):
-    """e from 0: three bodies may come together in ever more impacts in a finite time. Either way an end, no hang."""
+def test_with_any_restitution_it_goes_on(seed):
+    """e from 0: three bodies may come together in ever more impacts in a finite time. It goes on, and never hangs."""
     rng = np.random.default_rng(300 + seed)
     s, radii = packing(rng, 25, rough=seed % 2 == 1, g=(0, 0, 0), walls=True, least=0.0)
-    try:
-        s.to(2.0, 0.05)
-    except StepFailed as error:
-        assert "rest" in str(error) or "press" in str(error)
+    s.to(2.0, 0.05)
     assert overlap(s, radii) < 1e-9
     assert s.kinetic() <= s.world.energy_at_start * (1 + 1e-12)
     assert abs(s.remainder()) < 1e-10 * s.world.energy_at_start
@@ -105,18 +100,31 @@ def test_with_any_restitution_it_goes_on_or_says_why_not(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_under_gravity_it_goes_on_or_says_why_not(seed):
-    """Balls fall and pile up. Resting on each other is not computed: the run then ends with a reason, the state is
-    the last good one, and up to there nothing is gained and nothing overlaps."""
+def test_under_gravity_nothing_overlaps(seed):
+    """Balls fall and bounce on each other, with closed forms: the books close to round-off."""
     rng = np.random.default_rng(200 + seed)
     s, radii = packing(rng, 12, rough=False, g=(0, 0, -9.81), walls=True)
-    try:
-        for k in range(1, 41):
-            s.to(0.02 * k)
-            assert overlap(s, radii) < 1e-9
-    except StepFailed as error:
-        assert "rest" in str(error) or "press" in str(error)
-    assert np.isfinite(s.p).all()
-    assert overlap(s, radii) < 1e-9
+    for k in range(1, 41):
+        s.to(0.02 * k)
+        assert overlap(s, radii) < 1e-9
     assert abs(s.remainder()) < 1e-9 * max(s.world.energy_at_start, s.kinetic())
+    check_impacts(s.impacts)
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_pile_settles(seed):
+    """Rough balls that rest on each other, with the contact engine: 60 steps of .1 s.
+
+    Overlaps: 6e-5 of the smaller radius (the engine keeps contacts within 1e-4 of their size). Books: 2e-5 of the
+    energy of a fall through the box. What is left is rolling, .14 m/s, and spin about the normals, which nothing stops.
+    """
+    rng = np.random.default_rng(200 + seed)
+    s, radii = packing(rng, 12, rough=True, g=(0, 0, -9.81), walls=True, least=0.1)
+    for k in range(1, 61):
+        s.to(0.1 * k)
+        assert overlap(s, radii) < 1e-4
+    assert s.state.general and np.isfinite(s.q).all()
+    assert np.all(np.abs(s.p) + radii[:, None] <= SIZE * (1 + 1e-4))
+    assert np.abs(s.v).max() < 0.3
+    assert abs(s.remainder()) < 1e-4 * s.masses.sum() * 9.81 * SIZE
     check_impacts(s.impacts)

@@ -171,45 +171,55 @@ ROUGH = "cfrc(1)=.5, cfrc(2)=.5,"
 GIVEN = "iob(1)=1, rsh(1)=.1, imo(1)=4,"
 
 
-@pytest.mark.parametrize(
-    ("body", "says"),
-    [
-        (box(1, (0, 0, 0), (0.1, 0.1, 0.1)).replace("imo(1)=0", "imo(1)=4, rhomvb(1)=1."), "obs1 is a box"),
-        (ball(1, (0, 0, 0), more="dxmcmin(1)=.5"), "travel or angle limits"),
-        (ball(1, (0, 0, 0), more="imoaxs(1)=4"), "turns about a fixed point"),
-        (ball(1, (0, 0, 0), more=f"imoaxs(1)=3, {ROUGH}"), "turns about a fixed axis and has friction"),
-        (ball(1, (0, 0, 0), more="iumcal(1)=0"), "driven in some components"),
-        (f"{GIVEN} {MASS.format(0.05, 1.0)}", "mass centre off its middle"),
-        (f"{GIVEN} {MASS.format(0.0, 1.2)}", "different moments of inertia"),
-        (driven(1, (0, 0, 0), more="omxtobs(1,1)=1., omytobs(1,1)=1."), "driven about several axes"),
-        (driven(1, (0, 0, 0)).replace("rsh(1)=0.1", "xl(1)=-.1, xh(1)=.1"), "neither a ball nor a flat at rest"),
-    ],
-)
-def test_not_yet(problems, body, says):
-    """Each pair that is not computed is refused by name, with two ways out."""
-    (text,) = problems(deck(body, ball(2, (0.5, 0, 0))))
-    assert "obs1" in text and says in text, text
-    assert text.startswith("deck.nml:3: &xput iclid=1: ") and "Write iclidob(1,1)=0" in text
+GENERAL = {
+    "a box": box(1, (0, 0, 0), (0.1, 0.1, 0.1)).replace("imo(1)=0", "imo(1)=4, rhomvb(1)=1."),
+    "stops": ball(1, (0, 0, 0), more="dxmcmin(1)=.5"),
+    "a fixed point": ball(1, (0, 0, 0), more="imoaxs(1)=4"),
+    "a rough ball on an axis": ball(1, (0, 0, 0), more=f"imoaxs(1)=3, {ROUGH}"),
+    "driven components": ball(1, (0, 0, 0), more="iumcal(1)=0"),
+    "mass centre off the middle": f"{GIVEN} {MASS.format(0.05, 1.0)}",
+    "different moments": f"{GIVEN} {MASS.format(0.0, 1.2)}",
+    "driven about two axes": driven(1, (0, 0, 0), more="omxtobs(1,1)=1., omytobs(1,1)=1."),
+    "a driven plate": driven(1, (0, 0, 0)).replace("rsh(1)=0.1", "xl(1)=-.1, xh(1)=.1"),
+}
+CLOSED = {
+    "a ball": ball(1, (0, 0, 0)),
+    "a smooth ball on an axis": ball(1, (0, 0, 0), more="imoaxs(1)=3"),
+    "mass data of a ball": f"{GIVEN} {MASS.format(0.0, 1.0)}, {ROUGH}",
+    "driven about one axis": driven(1, (0, 0, 0), more="omxtobs(1,1)=1."),
+    "sinusoids of no amplitude": driven(1, (0, 0, 0), more="omxtobs(1,1)=1., iomypre(1)=1, iomzpre(1)=1"),
+    "driven about an axis away": driven(1, (0, 0, 0), more="imoaxs(1)=3, xaxs0(1)=-.3, omztobs(1,1)=1."),
+}
 
 
-@pytest.mark.parametrize(
-    "body",
-    [
-        ball(1, (0, 0, 0), more="imoaxs(1)=3, frcmob=0.").replace(", frcmob=0.", ""),
-        f"{GIVEN} {MASS.format(0.0, 1.0)}, {ROUGH}",
-        driven(1, (0, 0, 0), more="omxtobs(1,1)=1."),
-        driven(1, (0, 0, 0), more="omxtobs(1,1)=1., iomypre(1)=1, iomzpre(1)=1"),  # sinusoids of no amplitude
-        driven(1, (0, 0, 0), more="imoaxs(1)=3, xaxs0(1)=-.3, omztobs(1,1)=1."),
-    ],
-)
-def test_computed(build, body):
-    assert build(deck(body, ball(2, (0.5, 0, 0)))).contacts.allowed[A, B]
+@pytest.mark.parametrize(("name", "closed"), [*((n, False) for n in GENERAL), *((n, True) for n in CLOSED)])
+def test_closed_forms_only_where_they_do(build, name, closed):
+    """Whoever collides is accepted. Closed forms (collision/balls) for free solid balls and flats: taken for anything
+    else their result would be wrong without a word."""
+    plan = build(deck((CLOSED if closed else GENERAL)[name], ball(2, (0.5, 0, 0)))).contacts
+    assert plan.allowed[A, B] and plan.closed_form == closed
 
 
-def test_the_way_out_works(build):
-    """What the message of a refused body says to write."""
+@pytest.mark.parametrize("knob", ["impact='euler'", "search='grid'", "multiple='sequential'", "resting='micro'"])
+def test_a_chosen_method_is_used_for_balls_too(build, knob):
+    """The closed forms know none of these: with them the knob would be ignored."""
+    plan = build(deck(ball(1, (0, 0, 0)), ball(2, (0.5, 0, 0)), own=knob)).contacts
+    name, value = knob.split("=")
+    assert getattr(plan, name) == value.strip("'") and not plan.closed_form
+
+
+def test_three_balls_that_touch_need_the_general_engine(build):
+    """Several may be hit at once; two that touch are one pair, and closed forms do."""
+    row = [ball(m, (0.2 * (m - 2), 0, 0)) for m in (1, 2, 3)]
+    assert build(deck(*row[:2])).contacts.closed_form
+    assert not build(deck(*row)).contacts.closed_form
+
+
+def test_a_body_that_is_left_out(build):
+    """iclidob(m,m)=0: nothing collides with it, and it does not decide about the closed forms."""
     text = deck(ball(1, (0, 0, 0), more="imoaxs(1)=4, iclidob(1,1)=0"), ball(2, (0.5, 0, 0)), sides=(WALL,) * 6)
-    assert not build(text).contacts.allowed[A].any()
+    plan = build(text).contacts
+    assert not plan.allowed[A].any() and plan.closed_form
 
 
 def test_two_bodies_without_names_that_are_left_out(problems):

@@ -295,7 +295,7 @@ def test_groups_do_not_know_of_each_other():
     beside = alone[0].copy()
     beside["a"] = 3
     contacts = np.append(contacts, beside)
-    assert solve(contacts, np.zeros(12), responses, twists, TIGHT, 1000)[2] == IMPOSSIBLE
+    assert solve(contacts, np.zeros((len(contacts), 3)), responses, twists, TIGHT, 1000)[2] == IMPOSSIBLE
     solved(alone)
     np.testing.assert_array_equal(twists[3]["v"], alone[3][1]["v"])
 

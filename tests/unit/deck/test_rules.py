@@ -25,10 +25,6 @@ PROBLEMS = [
     ({"parts": "npxyz=1"}, "npxyz=1", "particles"),
     ({"bcdata": "ibct(3)=7"}, "ibct(3)=7", "Write ibct(3)=1"),
     ({"bcdata": "ibct(1)=9,10,11"}, "ibct(1)=9", "(and 2 more)"),
-    ({"flowgmo": "impact='euler'"}, "impact='euler'", "Write impact='exact'"),
-    ({"flowgmo": "search='grid'"}, "search='grid'", "Write search='surface'"),
-    ({"flowgmo": "multiple='sequential'"}, "multiple='sequential'", "simultaneous"),
-    ({"flowgmo": "resting='micro'"}, "resting='micro'", "constraint"),
     # dry or wet
     ({"props": "rhof=1000."}, "rhof=1000.0", "Remove rhof to run the bodies dry"),
     ({"props": "rhof=1000.", "fl": "flht=.5, nfls=1"}, "rhof=1000.0", "Remove rhof (and flht, nfls)"),
@@ -131,6 +127,7 @@ SILENT = [
     {"obs": FREE + "rhosub(1)=3."},
     {"mesh": "px=0.,1.,3., nxcell=3,4, nxcelt=7, size=.1"},
     {"more": "tobs(2)=1., utobs(1,1)=1.,2., iumcal(1)=0"},
+    {"flowgmo": "impact='euler', dpfrac=.02, search='grid', multiple='sequential', hertz=1., resting='micro'"},
     {"add_xput": "tedit(1)=0, teditdt(1)=0.0, tdtmax(1)=0.0001"},
 ]
 
@@ -159,7 +156,7 @@ def test_silent(read, blocks: dict) -> None:
 def test_ignore_unsupported(read) -> None:
     """All of it becomes notices, and the values that hold are those that are computed."""
     deck = read(
-        flowgmo="ignore_unsupported=.true., impact='euler'",
+        flowgmo="ignore_unsupported=.true.",
         add_xput="ifsft=1, ifin=2,",
         props="rhof=1000.",
         fl="flht=.5",
@@ -167,9 +164,9 @@ def test_ignore_unsupported(read) -> None:
         obs="nobs=1, iob(1)=1, xl(1)=0., imo(1)=2, nsprp=2",
     )
     assert sorted(notice.variable.partition("=")[0] for notice in deck.notices) == [
-        *("ibct(1)", "ifin", "ifsft", "imo(1)", "impact", "nsprp", "rhof"),
+        *("ibct(1)", "ifin", "ifsft", "imo(1)", "nsprp", "rhof"),
     ]
-    assert (deck["IFSFT"], deck["IFIN"], deck["IMPACT"], deck.at("IBCT", 1), deck.at("IMO", 1)) == (0, 1, "exact", 1, 0)
+    assert (deck["IFSFT"], deck["IFIN"], deck.at("IBCT", 1), deck.at("IMO", 1)) == (0, 1, 1, 0)
     assert not deck.given("RHOF")
 
 

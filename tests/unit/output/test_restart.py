@@ -20,6 +20,8 @@ def model(scenes):
 def state(model):
     """Every field with bits that text would lose."""
     state, random = initial_state(model), np.random.default_rng(7)
+    for name, values in (("held_parts", state.held_parts), ("held_values", state.held_values)):
+        setattr(state, name, np.zeros((5, values.shape[1]), values.dtype))  # five contacts that stay
     for field in fields(State):
         value = getattr(state, field.name)
         if isinstance(value, np.ndarray) and value.dtype.kind == "f":
@@ -28,6 +30,8 @@ def state(model):
             value[...] = random.integers(-1, 2, value.shape)
         elif isinstance(value, float):
             setattr(state, field.name, np.pi * 1e-7)
+        elif isinstance(value, bool):  # before int, which it is one of
+            setattr(state, field.name, not value)
         elif isinstance(value, int):
             setattr(state, field.name, 2**40 + 1)
     state.v_WB[0] = [-0.0, 5e-324, 1e308]
@@ -111,6 +115,14 @@ def test_missing_foreign_and_damaged_files(tmp_path, model, state):
         (lambda f: f.__delitem__("state/p_WB"), "not a readable restart file"),
         (lambda f: f["state/v_WB"].__setitem__((0, 0), np.nan), "v_WB is not finite"),
         (lambda f: (f.__delitem__("state/angle"), f.__setitem__("state/angle", np.zeros(2))), "angle has shape"),
+        (
+            lambda f: (
+                f.__delitem__("state/held_parts"),
+                f.__setitem__("state/held_parts", np.zeros((4, 2), dtype="i8")),
+            ),
+            "held_parts has shape",
+        ),
+        (lambda f: f["state/held_values"].__setitem__((1, 3), np.inf), "held_values is not finite"),
     ],
 )
 def test_damage_inside(tmp_path, model, state, damage, told):
