@@ -193,7 +193,7 @@ class Holder:
         approaches(middle, arena.responses, free, alone)
         scale = max(np.abs(after - before).max(initial=0.0), np.abs(alone - before).max(initial=0.0))
         parting = np.abs(after) > PARTING * scale
-        stays = push | ~(parting & (after > 0.0))
+        stays = push | ~(parting & (after > 0.0)) | (before < 0.0)  # one that dips before it opens is no new contact
         held = contacts[stays].copy()
         held["fresh"] = 0
         held["age"] += end - now

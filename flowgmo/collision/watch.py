@@ -75,15 +75,15 @@ class Watch:
         self.pairs = self._overlapping(awake)
         self.times, self.sure = self._events(self.pairs, held, now)
 
-    def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, ignore: np.ndarray) -> None:
-        """Find anew the events of all pairs with one of the bodies, whose paths start at t; ignore (k, 2): stalled."""
+    def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, leave: bool) -> None:
+        """Find anew the events of all pairs with one of the bodies, whose paths start at t; leave: none for them."""
         self._boxes(bodies, self.end - t)
         changed = np.zeros(len(self.boxes), dtype=bool)
         changed[bodies] = True
         kept = ~changed[self.pairs].any(axis=1)
         pairs = self._pairs_of(bodies)
-        for a, b in ignore:
-            pairs = pairs[(pairs[:, 0] != a) | (pairs[:, 1] != b)]
+        if leave:
+            pairs = pairs[:0]
         times, sure = self._events(pairs, held, t)
         self.pairs = np.concatenate([self.pairs[kept], pairs])
         self.times = np.concatenate([self.times[kept], times])
