@@ -173,7 +173,9 @@ class Engine:
             movers = self.arena.movers
             room.rows[self.row, movers] = poses
             room.rows_books[self.row] += self.books + books
-            room.contact_force[self.row, movers] = self.holder.ledger.forces()[movers]
+            forces = self.holder.ledger.forces()
+            self.sleep.add_forces(forces)
+            room.contact_force[self.row, movers] = forces[movers]
             self.row += 1
 
 

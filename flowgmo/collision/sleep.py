@@ -38,6 +38,12 @@ class Sleep:
         n = self.arena.n
         return self.asleep[:n].copy(), self.quiet[:n].copy()
 
+    def add_forces(self, forces: np.ndarray) -> None:
+        """Contact forces (n, 3) of the bodies that sleep: they carry their weight."""
+        n = self.arena.n
+        rests = self.asleep[:n] == 1
+        forces[rests] = -self.arena.bodies["mass"][:n][rests][:, None] * self.arena.model.gravity
+
     def awake(self) -> np.ndarray:
         """(n+6,) 1 for parties that may move now."""
         moves = (self.arena.movable == 1) | (self.arena.bodies["motion"] == DRIVEN)

@@ -49,10 +49,10 @@ class Watch:
         """No bound on a leg comes from here."""
         return NEVER
 
-    def touching(self, held: np.ndarray, awake: np.ndarray) -> np.ndarray:
-        """All contacts now of parties that are awake (n+6,); arena.motion stands at one time. held: those before."""
+    def touching(self, held: np.ndarray, awake: np.ndarray | None = None) -> np.ndarray:
+        """All contacts now of parties awake (n+6,; None: all); arena.motion stands at one time. held: those before."""
         self._boxes(self.all, 0.0)
-        return self._gather(self._overlapping(awake), held)
+        return self._gather(self._overlapping(self.arena.wakeful if awake is None else awake), held)
 
     def touching_now(self, held: np.ndarray, met: np.ndarray) -> np.ndarray:
         """Contacts of the pairs in `held` and of the pairs met (k, 2)."""

@@ -127,9 +127,9 @@ def test_the_work_of_a_constant_force(t):
 def test_a_driven_side_gives_its_work():
     """What b's driver gives is -F·u_b: at the end F_z 8, mean u_z 1, over .5. Closing books it and forgets the leg."""
     ledger, books = pushed((1, 0)), np.zeros(4)
-    ledger.close(2.5, books, np.array([7]))
+    ledger.close(2.5, books, np.array([0, 0, 0, 0, 0, 0, 0, 1]))
     assert not books.any()
-    ledger.close(2.5, books, np.array([1]))
+    ledger.close(2.5, books, np.array([0, 1, 0, 0, 0, 0, 0, 0]))
     assert books[FROM_PRESCRIBED] == pytest.approx(8 * 1 * 0.5, rel=1e-14)
     again = books.copy()
     ledger.close(2.5, books)
