@@ -6,6 +6,8 @@ import pytest
 from flowgmo.building import build_model
 from flowgmo.deck import read_deck
 
+pytestmark = pytest.mark.slow  # minutes in all; the tests of tests/physics, hard and identity run every day
+
 
 @pytest.mark.parametrize("deck", ["plastic", "elastic"])
 def test_geometry(deck, runs):

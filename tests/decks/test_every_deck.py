@@ -10,7 +10,13 @@ from flowgmo.deck import read_deck
 
 DECKS = Path(__file__).parents[2] / "decks"
 ALL = sorted(DECKS.glob("*/*.nml"))
+LONG = {"pool", "domino", "stack", "hard"}  # whole runs of these take minutes: `make test-all`
 each = pytest.mark.parametrize("path", ALL, ids=lambda path: f"{path.parent.name}/{path.stem}")
+whole = pytest.mark.parametrize(
+    "path",
+    [pytest.param(p, marks=pytest.mark.slow if p.parent.name in LONG else ()) for p in ALL],
+    ids=lambda path: f"{path.parent.name}/{path.stem}",
+)
 
 
 def test_there_are_decks():
@@ -37,7 +43,7 @@ def test_runs_two_steps(path):
     assert np.isfinite(state.v_WB).all()
 
 
-@each
+@whole
 def test_has_page_and_reference(path, runs):
     page = (path.parent / "README.md").read_text(encoding="utf-8")
     assert path.name in page
@@ -54,7 +60,7 @@ def test_pictures_are_small_and_there(page):
         assert picture.name in page.read_text(encoding="utf-8")
 
 
-@each
+@whole
 def test_energy_books_close(path, runs):
     # Measured: at most 5e-14 of the largest entry (pendulum/gate). 1e-11 would reveal an entry that is missing,
     # counted twice, or lost from one step to the next.

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow  # minutes in all; the tests of tests/physics, hard and identity run every day
+
 BOUNDS = {
     "heavy": {"drift": 1e-4},
     "gas": {"change of energy": 1e-9},

@@ -1,6 +1,9 @@
 """decks/pool: the break on a table, report 4.3."""
 
 import numpy as np
+import pytest
+
+pytestmark = pytest.mark.slow  # minutes in all; the tests of tests/physics, hard and identity run every day
 
 
 def test_smooth(runs):

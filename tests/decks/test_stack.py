@@ -2,6 +2,8 @@
 
 import pytest
 
+pytestmark = pytest.mark.slow  # minutes in all; the tests of tests/physics, hard and identity run every day
+
 
 @pytest.mark.parametrize("deck", ["tower", "pyramid", "wall", "cards"])
 def test_stands(deck, runs):
