@@ -49,7 +49,7 @@ class GridWatch:
             return 2.0 * half / (fastest + np.sqrt(fastest**2 + 2.0 * arena.gravity * half))
         return half / fastest if fastest > 0.0 else NEVER
 
-    def touching(self, held: np.ndarray, awake: np.ndarray) -> np.ndarray:
+    def touching(self, held: np.ndarray, awake: np.ndarray | None = None) -> np.ndarray:
         """All contacts of the moment: at most one a pair. held: those before, whose impulses are the first guess."""
         a = self.arena
         sweep_boxes(self.all, 0.0, a.shapes, a.bodies, a.motion, a.paths, a.bounds, 0.0, self.boxes)
@@ -61,6 +61,7 @@ class GridWatch:
         if count > len(self.out):
             self.out = np.zeros(2 * count, CONTACT)
         pairs = self.list[:count]
+        awake = a.wakeful if awake is None else awake
         pairs = pairs[(awake[pairs[:, 0]] | awake[pairs[:, 1]]) == 1]
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
         count = len(pairs)
