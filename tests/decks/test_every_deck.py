@@ -65,8 +65,10 @@ def test_energy_books_close(path, runs):
     # Measured: at most 5e-14 of the largest entry (pendulum/gate). 1e-11 would reveal an entry that is missing,
     # counted twice, or lost from one step to the next.
     case, deck = path.parent.name, path.stem
-    if case in LONG | {"incline", "rack"}:
-        pytest.skip("integrated contact forces: their books close to truncation, which the decks' own tests measure")
+    if case in LONG | {"incline"}:
+        pytest.xfail(
+            "contact forces over a leg: books miss up to 1e-2 of the largest entry (incline/rocking), unexplained"
+        )
     energy = runs.curves(case, deck).energy
     if not energy:
         assert case == "piston"  # the only decks without a coupled body: they have no books
