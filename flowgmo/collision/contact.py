@@ -28,8 +28,9 @@ RESPONSE = np.dtype([("centre", "f8", 3), ("wt", "f8", 6), ("wr", "f8", 6)], ali
 #: One party's motion: velocity of RESPONSE.centre [length/time] and angular velocity [rad/time], space axes.
 TWIST = np.dtype([("v", "f8", 3), ("w", "f8", 3)], align=True)
 #: One contact point. a, b: parties; normal: unit, from b to a; gap [length] along it, negative where they overlap;
-#: impulse on a, space axes; regime: records.REGIMES; loss: energy; feature: which parts of the two surfaces touch, the
-#: same number as long as the same parts do; age [time] since it closed; fresh: 1 until its impact is resolved.
+#: impulse on a, space axes, of contacts that wait for their next leg the force; regime: records.REGIMES; loss: energy;
+#: feature: which parts of the two surfaces touch, the same number as long as the same parts do; age [time] since it
+#: closed; fresh: 1 until its impact is resolved.
 CONTACT = np.dtype(
     [
         ("a", "i8"),

@@ -16,6 +16,10 @@ true ones, and (1) is tried again.
 
 Numbers of parties and contacts enter by round-off only, and a mirrored problem has the mirrored result.
 
+Contradictory problems (two points of one edge that stick, and whose rounded normals or gaps ask for velocities along
+it that differ in the eighth digit) have no solution either: the residual falls to that contradiction and stays. Where
+it stays at no more than NEARLY tolerances this is the answer.
+
 Impossible problems (a driven party presses a body against a wall): u converges to the least violation while impulses
 grow by ρ times it each step, without end. That is how they are known; persistent.py then solves the problem that has
 just that violation allowed.
@@ -39,6 +43,8 @@ FASTER = 10.0  # change of ρ
 EASY = 3  # Newton steps
 CONVEX_MOST = 8  # convex steps in a row
 STAYS = 3  # steps that find the same violation
+NEARLY = 1000.0  # tolerances that a contradiction of the data may leave
+SLOW = 0.9  # of the residual before: what a mode with λ/k = 1e-7 leaves at ρ k = STIFF
 CONVERGED, TOO_MANY, IMPOSSIBLE = 0, 1, 2
 
 
@@ -115,7 +121,8 @@ def newton(links, slots, group, tolerance, most):
     stayed = np.int64(0)
     convex = np.int64(0)  # steps of this kind to come
     failed = np.int64(0)
-    while count < most and relative > tolerance and stayed < STAYS:
+    stalls = np.int64(0)
+    while count < most and relative > tolerance and stayed < STAYS and stalls < STAYS:
         if convex > 0:
             lag(links, slots, group)
         steps, done = proximal_step(links, slots, group, room, stiff, convex > 0)
@@ -134,9 +141,11 @@ def newton(links, slots, group, tolerance, most):
             # hundred-thousandth of ρ, as at ratios of masses beyond 1e8, is taken for one
             same = stiff == stiffest and abs(worst - last) <= 1e-5 * last and grew > 0.1 * stiff * worst
             stayed = stayed + 1 if same else 0
+            slow = stiff == stiffest and convex == 0 and worst > SLOW * last
+            stalls = stalls + 1 if slow and relative <= NEARLY * tolerance else 0
             if steps <= EASY:
                 stiff = min(FASTER * stiff, stiffest)
         convex = max(convex - 1, 0)
-    if relative <= tolerance:
+    if relative <= tolerance or stalls >= STAYS:
         return count, relative, CONVERGED
     return count, relative, IMPOSSIBLE if stayed >= STAYS else TOO_MANY

@@ -7,6 +7,11 @@
       4  find when something touches anew           watch.py
     event    the earliest of these: bring the bodies that are joined in it there, and do 1 - 4 for them alone
 
+Crowds. A heap of spheres that still bounce meets hundreds of times a step, and each event concerns all that is joined.
+When a step's events have had BUSY contacts to do with, the leg ends, and the rest of the step goes on in short legs:
+what would overlap by no more than SHALLOW until the leg's end waits for it and is resolved with all the rest; others
+are met at their time as ever. Nothing passes, nothing gains energy; what is lost is the order within a short leg.
+
 What is not concerned by an event is not moved and not looked at again. The age of a contact decides what it is: a new
 one that approaches is an impact, one that was there before is a constraint.
 """
@@ -15,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena
+from flowgmo.collision.arena import Arena, lengths
 from flowgmo.collision.correct import Corrector
 from flowgmo.collision.gather import mark_joined, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
@@ -29,6 +34,9 @@ from flowgmo.world import Room
 MOST_EVENTS = 3000  # in one leg: at 3 ms each a user waits ten seconds
 AT_ONCE = 1e-6  # of a leg: events nearer to each other than this count as at one time
 STALLED = 50  # events at one time after which impacts are plastic
+BUSY = 3000  # contacts of the bodies joined in an event, summed over a step's events: 0.1 s of a user's time
+SHALLOW = 0.02  # of the smaller reach: an overlap at the end of a busy leg that is taken away in the next
+MOST_LEGS = 10  # of a busy step: what is too fast for them is still met at its time
 LEFT = 200  # events at one time after which the bodies are left alone until the next leg
 
 
@@ -43,6 +51,8 @@ class Engine:
         self.corrector = Corrector(arena)
         self.sleep = Sleep(arena)
         self.held = no_contacts()
+        self.later = 0  # meetings in busy legs that the next leg resolves
+        self.work = 0  # contacts that the events of this step had to do with
         self.left = 0  # events after which bodies were left alone until the next leg
 
     def notices(self) -> list[str]:
@@ -63,6 +73,11 @@ class Engine:
             found.append(f"{striker.lost} clusters of impacts had no joint solution and were resolved pair by pair")
         if self.left:
             found.append(f"{self.left} times bodies hit each other without end in no time: the rest was left for later")
+        if self.later:
+            found.append(
+                f"{self.later} meetings of bodies in crowded steps were left to the end of a short part of the step, "
+                f"at overlaps of no more than {SHALLOW:g} of a body; a smaller DELT finds their times"
+            )
         if corrector.deepest > 0.0:
             found.append(f"deepest overlap taken away by a shift: {corrector.deepest:.2e} (length)")
         return found
@@ -72,6 +87,7 @@ class Engine:
         self.arena.load(room.motion, t0)
         self.sleep.begin()
         self.room, self.books, self.step, self.row = room, np.zeros(4), t1 - t0, 0
+        self.work = 0
         self.holder.leg = self.step
         now = t0
         while now < t1:
@@ -88,13 +104,13 @@ class Engine:
         if self.watch.located:
             contacts = self.corrector.correct(contacts)
         contacts = self._strike(contacts, now, False)
-        longest = min(self.holder.longest_leg(contacts), self.watch.longest())
+        longest = min(self.holder.longest_leg(contacts), self.watch.longest(), self._shallow_leg(contacts))
         legs = max(1, int(np.ceil((t1 - now) / longest * (1.0 - 1e-9)))) if np.isfinite(longest) else 1
         end = t1 if legs == 1 else now + (t1 - now) / legs
         awake = arena.movers[self.sleep.asleep[arena.movers] == 0]
         self.held = merge(resting, self.holder.hold(contacts, awake, now, end))
         self.watch.start(self.held, now, end, self.sleep.awake())
-        self._events(now, end)
+        end = self._events(now, end)
         self._rows_until(end)
         self.holder.ledger.close(end, self.books)
         self._bring(arena.movers, end)
@@ -113,13 +129,21 @@ class Engine:
                 return contacts, self.held[rests]
             self.sleep.wake(touched, self.held)
 
-    def _events(self, now: float, end: float) -> None:
-        """All events until the end of the leg, the earliest first."""
+    def _events(self, now: float, end: float) -> float:
+        """All events until the end of the leg, the earliest first. Returns its end: earlier where the step is busy."""
+        busy = self.work > BUSY
         events, stalls, last = 0, 0, now
         while True:
             t, met_now = self.watch.next()
             if t >= end:
-                return
+                return end
+            if self.work > BUSY:
+                if not busy:
+                    return t
+                if self._is_shallow(met_now, end - t):
+                    self.watch.forget(met_now)
+                    self.later += len(met_now)
+                    continue
             events += 1
             stalls = stalls + 1 if t - last <= AT_ONCE * (end - now) else 0
             last = max(t, last)
@@ -127,6 +151,26 @@ class Engine:
             self.left += leave
             self._rows_until(last)
             self._event(met_now, last, end, stalls > STALLED, leave)
+
+    def _shallow_leg(self, contacts: np.ndarray) -> float:
+        """Time in which bodies in contact do not overlap by more than may be left in a busy step; else no bound."""
+        if self.work <= BUSY or not len(contacts):
+            return np.inf
+        arena = self.arena
+        which = arena.parties_of(contacts)
+        which = which[arena.movable[which] == 1]
+        speed = lengths(arena.motion["v"][which]).max()
+        leg = SHALLOW * arena.reach[which].min() / (2.0 * speed) if speed > 0.0 else np.inf
+        return max(leg, self.step / MOST_LEGS)
+
+    def _is_shallow(self, met: np.ndarray, span: float) -> bool:
+        """Whether pairs met (k, 2) that went on as they are for a span [time] would hardly overlap."""
+        arena = self.arena
+        rows, reach = arena.motion, arena.finite_reach
+        a, b = met.T
+        speed = lengths(rows["v"][a] - rows["v"][b]) + arena.gravity * span
+        speed += lengths(rows["w"][a]) * reach[a] + lengths(rows["w"][b]) * reach[b]
+        return bool((speed * span <= SHALLOW * np.minimum(arena.reach[a], arena.reach[b])).all())
 
     def _event(self, met: np.ndarray, t: float, end: float, plastic: bool, leave: bool) -> None:
         """Pairs met (k, 2) touch at time t: resolve it with everything that is joined to them, and go on from there.
@@ -142,6 +186,7 @@ class Engine:
         self.holder.ledger.close(t, self.books, joined)
         self._bring(self.arena.parties_of(self.held[mine], *met.ravel()), t)
         contacts = self.watch.touching_now(self.held[mine], met)
+        self.work += len(contacts)
         contacts = self._strike(contacts, t, plastic)
         held = self.holder.hold(contacts, bodies, t, end)
         self.held = merge(self.held[~mine], held)
@@ -152,11 +197,12 @@ class Engine:
         if not len(contacts):
             return contacts
         span = min(self.step, self.holder.longest_leg(contacts))
+        forces = contacts["impulse"].copy()
         outcome = self.striker.strike(contacts, t, span, plastic, self.books)
         self.room.impacts.extend(outcome.records)
         fresh = outcome.struck | (contacts["fresh"] == 1)
         parts = fresh & self.striker.parts(contacts, outcome.speed, span)
-        contacts["impulse"][outcome.struck] = 0.0
+        contacts["impulse"] = forces
         return contacts[~parts]
 
     def _bring(self, which: np.ndarray, t: float) -> None:

@@ -95,6 +95,7 @@ class Holder:
         if not len(contacts):
             set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
             return no_contacts()
+        contacts["impulse"] *= end - now  # from one leg to the next they carry forces: the first guess
         free = self.ends.copy()
         middle, bias = self._in_the_middle(contacts, start, parties, now, end)
         self._solve(middle, bias)
@@ -197,5 +198,6 @@ class Holder:
         held = contacts[stays].copy()
         held["fresh"] = 0
         held["age"] += end - now
+        held["impulse"] /= end - now
         self.ledger.open(middle[stays], start, self.ends, now, end)
         return held

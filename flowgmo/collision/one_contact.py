@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.collision.contact import symmetric_times
+from flowgmo.collision.frame import tangents
 from flowgmo.kernel import inner
 from flowgmo.vectors import add, dot, norm, scale, sub
 
@@ -31,15 +32,6 @@ SAMPLES = (
 )
 FINE = 960  # then sought again
 TRIES = 60  # false positions: with halved ends each gains a digit at least every third time
-
-
-@inner
-def tangents(n):
-    """Two unit triples that make a right-handed frame with the unit triple n; smooth but for n = -z (Duff 2017)."""
-    sign = 1.0 if n[2] >= 0.0 else -1.0
-    a = -1.0 / (sign + n[2])
-    b = n[0] * n[1] * a
-    return (1.0 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]), (b, sign + n[1] * n[1] * a, -n[1])
 
 
 @inner

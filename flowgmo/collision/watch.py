@@ -107,6 +107,10 @@ class Watch:
             self.times[k], self.sure[k] = times[0], sure[0]
         return NEVER, self.pairs[:0]
 
+    def forget(self, met: np.ndarray) -> None:
+        """Pairs met (k, 2) have no more events in this leg."""
+        self.times[(self.pairs[:, None, :] == met[None, :, :]).all(axis=2).any(axis=1)] = NEVER
+
     def _boxes(self, which: np.ndarray, sweep: float) -> None:
         a = self.arena
         sweep_boxes(which, sweep, a.shapes, a.bodies, a.motion, a.paths, a.bounds, KEPT, self.boxes)

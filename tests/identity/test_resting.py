@@ -44,14 +44,14 @@ def scene(make, units=(1.0, 1.0, 1.0)):
 
 
 def assert_same(one, two, units=(1.0, 1.0, 1.0)):
-    """Every array of two States; `two` in the units. held_values: place, direction, impulse, age."""
+    """Every array of two States; `two` in the units. held_values: place, direction, force, age."""
     length, time, mass = units
     for field in fields(State):
         a, b = getattr(one, field.name), getattr(two, field.name)
         if not isinstance(a, np.ndarray):
             continue
         if field.name == "held_values":
-            factor = np.array([length] * 3 + [1.0] * 3 + [mass * length / time] * 3 + [time])
+            factor = np.array([length] * 3 + [1.0] * 3 + [mass * length / time**2] * 3 + [time])
         else:
             powers = UNITS.get(field.name, (0, 0, 0))
             factor = length ** powers[0] * time ** powers[1] * mass ** powers[2]
