@@ -133,6 +133,7 @@ def _drop_pierced(found: Findings, bodies: tuple[Body, ...], mesh: Mesh, allowed
             found.notice(
                 "IBCT", side.number + 1,
                 wrong=f"{body.name} pierces the side {side.name} by {depth:.4g} at the start: they do not collide",
+                write="Move the body or the mesh plane where they should",
             )  # fmt: skip
 
 

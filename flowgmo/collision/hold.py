@@ -34,7 +34,7 @@ MOST_SWEEPS = 300
 PARTING = 1e-9  # of the largest change of normal speed in the leg: a smaller speed is round-off of the solution
 
 
-ROUND_OFF = 1e-12  # of the change of turning: a smaller correction is not worth a second solution
+SMALL_TURN = 1e-6  # of the change of turning, a hundredth of what TURN leaves: not worth a second solution
 STILL_SPEED = 3.0  # of tolerance times g h: what several contacts' tolerances may add up to
 STILL_PART = 1e-9  # of its reach: a party that moves less in a leg touches as it did
 
@@ -132,7 +132,7 @@ class Holder:
         part = gyroscopic(
             parties, arena.bodies, arena.motion, arena.responses, free, self.ends, span, self.correction
         )  # fmt: skip
-        if part <= ROUND_OFF:
+        if part <= SMALL_TURN:
             return False
         free["w"][parties] += self.correction["w"][parties]
         self.ends[:] = free
