@@ -17,6 +17,7 @@ from flowgmo.collision.touching import MOST_POINTS
 
 NEVER = np.inf
 TOGETHER = 1e-6  # of a leg: pairs that touch nearer to each other in time than this are looked at together
+CLOSE = 1e-6  # of the smaller reach: points of one pair this near when it hits take part, as the ends of an edge do
 SLACK = 2.0  # times `touch`: searches for one and the same instant end anywhere between half of it and the whole
 
 
@@ -52,18 +53,21 @@ class Watch:
     def touching(self, held: np.ndarray, awake: np.ndarray | None = None) -> np.ndarray:
         """All contacts now of parties awake (n+6,; None: all); arena.motion stands at one time. held: those before."""
         self._boxes(self.all, 0.0)
-        return self._gather(self._overlapping(self.arena.wakeful if awake is None else awake), held)
+        pairs = self._overlapping(self.arena.wakeful if awake is None else awake)
+        found = self._gather(pairs, held)
+        new = found[found["fresh"] == 1]
+        return self._gather(pairs, held, np.stack([new["a"], new["b"]], 1)) if len(new) else found
 
     def touching_now(self, held: np.ndarray, met: np.ndarray) -> np.ndarray:
         """Contacts of the pairs in `held` and of the pairs met (k, 2)."""
         pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), met])
-        return self._gather(np.unique(pairs, axis=0), held, slack=SLACK)
+        return self._gather(np.unique(pairs, axis=0), held, met, slack=SLACK)
 
     def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), their places in m (k,)."""
         pairs = np.unique(np.stack([contacts["a"], contacts["b"]], 1), axis=0)
         order = np.lexsort((contacts["b"], contacts["a"]))
-        found = self._gather(pairs, contacts[order], rows)
+        found = self._gather(pairs, contacts[order], rows=rows)
         found = found[found["fresh"] == 0]
         _, first = np.unique(found["regime"], return_index=True)  # where two are the same contact: the first
         return found[first], order[found["regime"][first]]
@@ -134,11 +138,20 @@ class Watch:
             self.list = np.zeros((2 * count, 2), dtype=np.int64)
 
     def _gather(
-        self, pairs: np.ndarray, held: np.ndarray, rows: np.ndarray | None = None, slack: float = 1.0
+        self,
+        pairs: np.ndarray,
+        held: np.ndarray,
+        met: np.ndarray | None = None,
+        slack: float = 1.0,
+        rows: np.ndarray | None = None,
     ) -> np.ndarray:
+        """Contacts of pairs (k, 2); those met (j, 2) have just come to touch somewhere."""
         a = self.arena
         rows = a.motion if rows is None else rows
-        touch = a.touch if slack == 1.0 else slack * a.touch
+        touch = a.touch
+        if met is not None:
+            touch, (i, j) = slack * a.touch, met.T
+            touch[i, j] = np.maximum(touch[i, j], CLOSE * np.minimum(a.reach[i], a.reach[j]))
         first = self._first(pairs, held)
         while True:
             total, most, deepest = gather(
