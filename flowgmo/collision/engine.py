@@ -31,13 +31,16 @@ from flowgmo.collision.strike import Striker
 from flowgmo.collision.watch import Watch
 from flowgmo.world import Room
 
-MOST_EVENTS = 3000  # in one leg: at 3 ms each a user waits ten seconds
+MOST_EVENTS = 3000  # in one leg, after which all impacts are plastic: at 3 ms each a user waits ten seconds
+LEAST_LOST = 1e-3  # of 1 - e: with less, 1000 bounces are none that end soon
 AT_ONCE = 1e-6  # of a leg: events nearer to each other than this count as at one time
-STALLED = 50  # events at one time after which impacts are plastic
+STALLED = 50  # events at one time after which impacts with e < 1 are plastic
+CRUSHED = 200  # events at one time after which all are: a driven body leaves an elastic one ever less room
+LEFT = 400  # events at one time after which the bodies are left alone until the next leg
+REBOUND, INELASTIC, RIGID = 0.0, 1.0, np.inf  # restitution below which impacts are plastic: none, not elastic, all
 BUSY = 3000  # contacts of the bodies joined in an event, summed over a step's events: 0.1 s of a user's time
 SHALLOW = 0.02  # of the smaller reach: an overlap at the end of a busy leg that is taken away in the next
 MOST_LEGS = 10  # of a busy step: what is too fast for them is still met at its time
-LEFT = 200  # events at one time after which the bodies are left alone until the next leg
 
 
 class Engine:
@@ -79,7 +82,10 @@ class Engine:
                 f"at overlaps of no more than {SHALLOW:g} of a body; a smaller DELT finds their times"
             )
         if corrector.deepest > 0.0:
-            found.append(f"deepest overlap taken away by a shift: {corrector.deepest:.2e} (length)")
+            found.append(
+                f"deepest overlap taken away by a shift: {corrector.deepest:.2e} (length); shifts gave the bodies "
+                f"{corrector.given:.2e} (energy) in all, booked as dissipated with the other sign"
+            )
         return found
 
     def move(self, t0: float, t1: float, room: Room) -> None:
@@ -102,9 +108,10 @@ class Engine:
         arena = self.arena
         contacts, resting = self._touching()
         if self.watch.located:
-            contacts = self.corrector.correct(contacts)
-        contacts = self._strike(contacts, now, False)
-        longest = min(self.holder.longest_leg(contacts), self.watch.longest(), self._shallow_leg(contacts))
+            contacts = self.corrector.correct(contacts, self.books)
+        contacts = self._strike(contacts, now, REBOUND)
+        longest = self.holder.longest_legs(contacts).min(initial=np.inf)
+        longest = min(longest, self.watch.longest(), self._shallow_leg(contacts))
         legs = max(1, int(np.ceil((t1 - now) / longest * (1.0 - 1e-9)))) if np.isfinite(longest) else 1
         end = t1 if legs == 1 else now + (t1 - now) / legs
         awake = arena.movers[self.sleep.asleep[arena.movers] == 0]
@@ -135,22 +142,26 @@ class Engine:
         events, stalls, last = 0, 0, now
         while True:
             t, met_now = self.watch.next()
+            stop, stops = self.holder.limits.next()
+            t, met_now, stops = (stop, met_now[:0], stops) if stop < t else (t, met_now, stops[:0])
             if t >= end:
                 return end
             if self.work > BUSY:
                 if not busy:
                     return t
-                if self._is_shallow(met_now, end - t):
+                if len(met_now) and self._is_shallow(met_now, end - t):
                     self.watch.forget(met_now)
                     self.later += len(met_now)
                     continue
             events += 1
             stalls = stalls + 1 if t - last <= AT_ONCE * (end - now) else 0
             last = max(t, last)
-            leave = stalls > LEFT or events > MOST_EVENTS
+            leave = stalls > LEFT or events > MOST_EVENTS + LEFT
             self.left += leave
             self._rows_until(last)
-            self._event(met_now, last, end, stalls > STALLED, leave)
+            crushed = stalls > CRUSHED or events > MOST_EVENTS
+            plastic = RIGID if crushed else INELASTIC if stalls > STALLED else REBOUND
+            self._event(met_now, stops, last, end, plastic, leave)
 
     def _shallow_leg(self, contacts: np.ndarray) -> float:
         """Time in which bodies in contact do not overlap by more than may be left in a busy step; else no bound."""
@@ -172,19 +183,24 @@ class Engine:
         speed += lengths(rows["w"][a]) * reach[a] + lengths(rows["w"][b]) * reach[b]
         return bool((speed * span <= SHALLOW * np.minimum(arena.reach[a], arena.reach[b])).all())
 
-    def _event(self, met: np.ndarray, t: float, end: float, plastic: bool, leave: bool) -> None:
-        """Pairs met (k, 2) touch at time t: resolve it with everything that is joined to them, and go on from there.
+    def _event(self, met: np.ndarray, stops: np.ndarray, t: float, end: float, plastic: float, leave: bool) -> None:
+        """Pairs met (k, 2) touch at time t, or held bodies meet stops (j,) of limits.STOP.
 
-        leave: these bodies hit without end; what touches them anew is left until the next leg.
+        It is resolved with everything that is joined to them, and they go on from there.
+
+        plastic: restitution below which impacts do not rebound; leave: these bodies hit without end, and what touches
+        them anew is left until the next leg.
         """
         joined = np.zeros(len(self.arena.bodies), dtype=np.int64)
         joined[met] = self.arena.movable[met]
+        joined[stops["body"]] = 1
         mark_joined(self.held, self.arena.movable, joined)
         mine = (joined[self.held["a"]] | joined[self.held["b"]]) == 1
         bodies = np.flatnonzero(joined)
-        self.sleep.wake(bodies, self.held)
         self.holder.ledger.close(t, self.books, joined)
-        self._bring(self.arena.parties_of(self.held[mine], *met.ravel()), t)
+        self._bring(self.arena.parties_of(self.held[mine], *met.ravel(), *stops["body"]), t)
+        self.holder.limits.snap(stops)
+        self.sleep.wake(bodies, self.held)  # now, and not before: it has not moved since the leg began
         contacts = self.watch.touching_now(self.held[mine], met)
         self.work += len(contacts)
         contacts = self._strike(contacts, t, plastic)
@@ -192,18 +208,30 @@ class Engine:
         self.held = merge(self.held[~mine], held)
         self.watch.renew(self.held, bodies, t, leave)
 
-    def _strike(self, contacts: np.ndarray, t: float, plastic: bool) -> np.ndarray:
+    def _strike(self, contacts: np.ndarray, t: float, plastic: float) -> np.ndarray:
         """Resolve impacts; returns the contacts that may stay: not those that part."""
         if not len(contacts):
             return contacts
-        span = min(self.step, self.holder.longest_leg(contacts))
         forces = contacts["impulse"].copy()
+        m, span = len(contacts), self._span(contacts)
+        contacts = np.concatenate([contacts, self.holder.limits.contacts(self.arena.parties_of(contacts))])
+        span = np.concatenate([span, np.zeros(len(contacts) - m)])
         outcome = self.striker.strike(contacts, t, span, plastic, self.books)
         self.room.impacts.extend(outcome.records)
-        fresh = outcome.struck | (contacts["fresh"] == 1)
-        parts = fresh & self.striker.parts(contacts, outcome.speed, span)
+        contacts, struck, span = contacts[:m], outcome.struck[:m], span[:m]
+        fresh = struck | (contacts["fresh"] == 1)
+        parts = fresh & self.striker.parts(contacts, outcome.speed[:m], span)
         contacts["impulse"] = forces
         return contacts[~parts]
+
+    def _span(self, contacts: np.ndarray) -> np.ndarray:
+        """(m,) time [time] within which a series of bounces must end for its contact to rest now.
+
+        A search that does not locate contacts in time sees a bounce only if it lasts two looks: 2 e v / a > 2 step.
+        """
+        if self.watch.located:
+            return np.minimum(self.step, self.holder.longest_legs(contacts))
+        return 2.0 * self.step / np.maximum(1.0 - contacts["e"], LEAST_LOST)
 
     def _bring(self, which: np.ndarray, t: float) -> None:
         for body, row in self.arena.bring(np.asarray(which, dtype=np.int64), t, self.books):

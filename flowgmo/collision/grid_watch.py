@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena
+from flowgmo.collision.arena import Arena, lengths
 from flowgmo.collision.contact import CONTACT
 from flowgmo.collision.extents import pairs_of_boxes, sweep_boxes
-from flowgmo.collision.search_grid import grid_contacts
+from flowgmo.collision.search_grid import MOST, NODE, grid_contacts
 from flowgmo.collision.shapes import PIECE
 
 NEVER = np.inf
@@ -32,7 +32,7 @@ class GridWatch:
         self.cell = min(float(np.diff(p).min()) for p in self.planes)
         self.boxes, self.all, self.order = np.empty((n, 6)), np.arange(n), np.arange(n)
         self.list = np.zeros((max(64, n), 2), dtype=np.int64)
-        self.out = np.zeros(64, CONTACT)
+        self.out, self.nodes = np.zeros(64, CONTACT), np.zeros(256, NODE)
         self.allowed = arena.plan["allowed"].astype(bool)
         still = arena.movable == 0
         self.allowed[np.ix_(still, still)] = False
@@ -50,7 +50,7 @@ class GridWatch:
         return half / fastest if fastest > 0.0 else NEVER
 
     def touching(self, held: np.ndarray, awake: np.ndarray | None = None) -> np.ndarray:
-        """All contacts of the moment: at most one a pair. held: those before, whose impulses are the first guess."""
+        """All contacts of the moment. held: those before, whose impulses are the first guess."""
         a = self.arena
         sweep_boxes(self.all, 0.0, a.shapes, a.bodies, a.motion, a.paths, a.bounds, 0.0, self.boxes)
         while True:
@@ -58,35 +58,48 @@ class GridWatch:
             if count <= len(self.list):
                 break
             self.list = np.zeros((2 * count, 2), dtype=np.int64)
-        if count > len(self.out):
-            self.out = np.zeros(2 * count, CONTACT)
         pairs = self.list[:count]
         awake = a.wakeful if awake is None else awake
         pairs = pairs[(awake[pairs[:, 0]] | awake[pairs[:, 1]]) == 1]
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-        count = len(pairs)
-        total = grid_contacts(
-            a.shapes, self.pieces, pairs, count, self.boxes, a.motion, a.plan, *self.planes, self.out
-        )  # fmt: skip
+        if MOST * len(pairs) > len(self.out):
+            self.out = np.zeros(2 * MOST * len(pairs), CONTACT)
+        n = len(a.bodies)
+        kept = np.isin(pairs[:, 0] * n + pairs[:, 1], held["a"] * n + held["b"]).astype(np.int64)
+        while True:
+            total, most = grid_contacts(
+                a.shapes, self.pieces, pairs, kept, self.boxes, a.motion, a.plan, *self.planes, self.nodes, self.out
+            )  # fmt: skip
+            if most <= len(self.nodes):
+                break
+            self.nodes = np.zeros(2 * most, NODE)
         contacts = self.out[:total].copy()
         self._remember(contacts, held)
         return contacts
 
     def _remember(self, contacts: np.ndarray, held: np.ndarray) -> None:
-        """A pair that was held before keeps its impulse and its age."""
+        """A pair that was held before keeps its age, and the impulse of the nearest node of then."""
         n = len(self.arena.bodies)
         keys = held["a"] * n + held["b"]
         for contact in contacts:
             found = np.flatnonzero(keys == contact["a"] * n + contact["b"])
             if found.size:
-                contact["fresh"], contact["age"] = 0, held["age"][found[0]]
-                contact["impulse"] = held["impulse"][found[0]]
+                nearest = found[np.argmin(lengths(held["point"][found] - contact["point"]))]
+                contact["fresh"], contact["age"] = 0, held["age"][nearest]
+                contact["impulse"] = held["impulse"][nearest]
 
     def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Contacts at other poses: the mesh does not see them move."""
         return contacts[:0], np.zeros(0, dtype=np.int64)
 
+    def touching_now(self, held: np.ndarray, met: np.ndarray) -> np.ndarray:
+        """Contacts in the middle of a leg, when a held body meets a stop: those of the last look."""
+        return held.copy()
+
     def start(self, held: np.ndarray, now: float, end: float, awake: np.ndarray) -> None:
+        """Nothing to predict."""
+
+    def renew(self, held: np.ndarray, bodies: np.ndarray, t: float, leave: bool) -> None:
         """Nothing to predict."""
 
     def next(self) -> tuple[float, np.ndarray]:

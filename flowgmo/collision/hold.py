@@ -20,9 +20,10 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.collision.arena import Arena, cross, lengths
-from flowgmo.collision.gather import approaches, no_contacts
+from flowgmo.collision.gather import approaches, islands, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.ledger import Ledger
+from flowgmo.collision.limits import FEATURE, Limits
 from flowgmo.collision.persistent import IMPOSSIBLE, TOO_MANY, solve
 from flowgmo.collision.respond import coast, free_twists, gyroscopic, set_paths
 from flowgmo.collision.watch import Watch
@@ -31,7 +32,7 @@ TURN = 0.05  # rad that a held body turns in one leg: the error of its path is a
 FALL = 1e-3  # of a body's reach that gravity moves it in one leg
 TOLERANCE = 1e-9  # of the largest free normal speed: what remains when the forces count as found
 MOST_SWEEPS = 300
-PARTING = 1e-9  # of the largest change of normal speed in the leg: a smaller speed is round-off of the solution
+PARTING = 1e-9  # of an island's largest change of normal speed in the leg: a smaller speed is round-off of the solution
 
 
 SMALL_TURN = 1e-6  # of the change of turning, a hundredth of what TURN leaves: not worth a second solution
@@ -60,23 +61,24 @@ class Holder:
         self.load_books = np.zeros((n, 4))
         self.hits = np.zeros((0, 7))
         self.ledger = Ledger(arena)
+        self.limits = Limits(arena)
         self.sweeps, self.solved, self.impossible = 0, 0, 0  # for the log: sweeps of all solutions, how many, in vain
         self.leg = np.inf  # length of the step [time]
         self.unfinished = 0  # solutions that ended at the bound on sweeps
         self.worst = 0.0  # largest residual so far, for the log
 
-    def longest_leg(self, contacts: np.ndarray) -> float:
-        """Time that bodies with these contacts may run on one path [time]; infinity without contacts."""
+    def longest_legs(self, contacts: np.ndarray) -> np.ndarray:
+        """(m,) time that the two bodies of a contact may run on one path [time]: as far as they turn and fall."""
         arena = self.arena
-        if not len(contacts):
-            return np.inf
-        parties = arena.parties_of(contacts)
-        parties = parties[arena.movable[parties] == 1]
-        rate = float(lengths(arena.motion["w"][parties]).max(initial=0.0))
-        leg = TURN / rate if rate > 0.0 else np.inf
-        if arena.gravity > 0.0:
-            leg = min(leg, float(np.sqrt(2.0 * FALL * arena.reach[parties].min() / arena.gravity)))
-        return leg
+        rate, reach = np.zeros(len(contacts)), np.full(len(contacts), np.inf)
+        for side in ("a", "b"):
+            party = contacts[side]
+            moves = arena.movable[party] == 1
+            rate = np.maximum(rate, np.where(moves, lengths(arena.motion["w"][party]), 0.0))
+            reach = np.where(moves, np.minimum(reach, arena.reach[party]), reach)
+        legs = np.full(len(contacts), np.inf)
+        np.divide(TURN, rate, out=legs, where=rate > 0.0)
+        return np.minimum(legs, np.sqrt(2.0 * FALL * reach / arena.gravity)) if arena.gravity > 0.0 else legs
 
     def hold(self, contacts: np.ndarray, which: np.ndarray, now: float, end: float) -> np.ndarray:
         """Set the paths of the parties `which` from now to end under the contacts (m,) that may press them.
@@ -85,32 +87,55 @@ class Holder:
         """
         arena = self.arena
         parties = arena.parties_of(contacts, *which)
+        self.limits.grip(parties, self._sides(contacts))  # what may be pressed counts as pressed at first
         arena.respond(parties)
         start = arena.twists.copy()
         free_twists(
-            parties, arena.bodies, arena.motion, arena.paths, arena.laws, arena.spare, end,
+            parties, self.limits.loose, arena.motion, arena.paths, arena.laws, arena.spare, end,
             self.ends, self.load_books, self.hits,
         )  # fmt: skip
-        pressed = np.zeros(len(arena.bodies), dtype=np.int64)
         if not len(contacts):
-            set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
+            set_paths(parties, self._sides(contacts), arena.bodies, arena.motion, arena.paths, self.ends, now, end)
             return no_contacts()
         contacts["impulse"] *= end - now  # from one leg to the next they carry forces: the first guess
+        m = len(contacts)
+        contacts = np.concatenate([contacts, self.limits.contacts(arena.parties_of(contacts))])
+        label = np.empty(len(contacts), dtype=np.int64)
+        islands(contacts, arena.movable, label)
         free = self.ends.copy()
-        middle, bias = self._in_the_middle(contacts, start, parties, now, end)
+        middle = self._press(contacts, label, parties, start, now, end)
+        contacts, middle, label = contacts[:m], middle[:m], label[:m]
+        pressed = self._sides(contacts[lengths(contacts["impulse"]) > 0.0])
+        self.limits.grip(parties, pressed)
+        set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
+        return self._staying(contacts, middle, label, start, free, now, end)
+
+    def _sides(self, contacts: np.ndarray) -> np.ndarray:
+        """(n+6,) 1 for the movable parties of contacts (m,)."""
+        mark = np.zeros(len(self.arena.bodies), dtype=np.int64)
+        mark[contacts["a"]] = mark[contacts["b"]] = 1
+        return mark * self.arena.movable
+
+    def _press(
+        self, contacts: np.ndarray, label: np.ndarray, parties: np.ndarray, start: np.ndarray, now: float, end: float
+    ) -> np.ndarray:
+        """Fill the impulses of contacts (m,); self.ends, free ones on entry, become the twists with them.
+
+        Returns the contacts as they are in the middle of the leg.
+        """
+        free = self.ends.copy()
+        middle, bias = self._in_the_middle(contacts, label, start, now, end)
         self._solve(middle, bias)
-        before = free.copy()
-        if self._turn_further(parties, free, end - now):
-            self._solve(middle, bias)
+        further = self._turn_further(parties, contacts, label, free, end - now)
+        if further.any():
+            rows = middle[further]
+            self._solve(rows, bias[further])
+            middle[further] = rows
         self._still(parties, start, end - now)
         contacts["impulse"] = middle["impulse"]
-        push = lengths(contacts["impulse"]) > 0.0
-        for side in ("a", "b"):
-            pressed[contacts[side][push]] = 1
-        pressed[arena.movable == 0] = 0
-        self.ends[pressed == 0] = free[pressed == 0]
-        set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
-        return self._staying(contacts, middle, start, before, now, end)
+        idle = self._sides(contacts[lengths(contacts["impulse"]) > 0.0]) == 0
+        self.ends[idle] = free[idle]
+        return middle
 
     def _still(self, parties: np.ndarray, start: np.ndarray, span: float) -> None:
         """Bodies that no more than the solution's tolerance moves, before and after, are at rest: they do not creep."""
@@ -126,51 +151,71 @@ class Holder:
         self.ends["v"][rests] = 0.0
         self.ends["w"][rests] = 0.0
 
-    def _turn_further(self, parties: np.ndarray, free: np.ndarray, span: float) -> bool:
-        """Add to the free twists what the impulses found change the turning by; whether it is worth solving again."""
+    def _turn_further(
+        self, parties: np.ndarray, contacts: np.ndarray, label: np.ndarray, free: np.ndarray, span: float
+    ) -> np.ndarray:
+        """Add to the free twists what the impulses found change the turning by.
+
+        Returns (m,) whether a contact's island is worth solving again; the ends of its bodies are the free ones then.
+        """
         arena = self.arena
         part = gyroscopic(
             parties, arena.bodies, arena.motion, arena.responses, free, self.ends, span, self.correction
         )  # fmt: skip
         if part <= SMALL_TURN:
-            return False
-        free["w"][parties] += self.correction["w"][parties]
-        self.ends[:] = free
-        return True
+            return np.zeros(len(contacts), dtype=bool)
+        number = np.full(len(arena.bodies), -1)
+        number[contacts["a"]], number[contacts["b"]] = label, label
+        turned = parties[(arena.movable[parties] == 1) & (number[parties] >= 0)]
+        most, size = np.zeros((2, int(label.max()) + 1))
+        np.maximum.at(most, number[turned], lengths(self.correction["w"][turned]))
+        np.maximum.at(size, number[turned], lengths(self.ends["w"][turned] - free["w"][turned]))
+        further = most > SMALL_TURN * size
+        turned = turned[further[number[turned]]]
+        free["w"][turned] += self.correction["w"][turned]
+        self.ends[turned] = free[turned]
+        return further[label]
 
     def _in_the_middle(
-        self, contacts: np.ndarray, start: np.ndarray, parties: np.ndarray, now: float, end: float
+        self, contacts: np.ndarray, label: np.ndarray, start: np.ndarray, now: float, end: float
     ) -> tuple[np.ndarray, np.ndarray]:
         """The contacts as they will be in the middle of the leg, and their bias (m, 3) [length/time].
 
-        arena.responses are then those of the middle, too. Where nothing turns or slides they stay as they are.
+        arena.responses are then those of the middle, too. Islands where nothing turns or slides stay as they are.
         """
         arena, span = self.arena, end - now
         before = relative(contacts, arena, start)
         # a gap left by drift closes within a whole leg, not within what is left of this one: the path is linear from
         # the speed u now, so that (u - bias) leg / 2 = -gap
-        leg = max(span, min(self.leg, self.longest_leg(contacts)))
+        leg = np.maximum(span, np.minimum(self.leg, self.longest_legs(contacts)))
         gap = np.maximum(contacts["gap"], 0.0)
         closing = np.clip(2.0 * gap / leg + np.einsum("ki,ki->k", before, contacts["normal"]), 0.0, gap / leg)
         bias = closing[:, None] * contacts["normal"]
         middle = contacts.copy()
-        if not self._moves(parties, span):
+        moves = self._moves(contacts, label, span)
+        if not moves.any():
             return middle, bias
+        parties = arena.parties_of(contacts[moves])
+        moves &= contacts["feature"] != FEATURE
         coast(parties, arena.bodies, arena.motion, arena.paths, arena.laws, 0.5 * span, arena.spare, self.hits)
-        there, found = self.watch.again(contacts, arena.spare)
+        there, found = self.watch.again(contacts[moves], arena.spare)
         arena.respond(parties, arena.spare)
-        middle[found] = there
+        middle[np.flatnonzero(moves)[found]] = there
         middle["impulse"], middle["e"], middle["mu"] = contacts["impulse"], contacts["e"], contacts["mu"]
+        self.limits.place(middle)
         bias += relative(middle, arena, start) - before
         return middle, bias
 
-    def _moves(self, parties: np.ndarray, span: float) -> bool:
-        """Whether a party turns, or moves, enough in the span to change where and how it touches."""
+    def _moves(self, contacts: np.ndarray, label: np.ndarray, span: float) -> np.ndarray:
+        """(m,) whether a party of a contact's island moves enough in the span to change where and how it touches."""
         arena = self.arena
-        rows = arena.motion[parties]
-        reach = arena.finite_reach[parties]
-        way = lengths(rows["v"]) + lengths(rows["w"]) * reach
-        return bool((way * span > STILL_PART * np.maximum(reach, 1e-300)).any())
+        moves = np.zeros(len(contacts), dtype=bool)  # of islands, by their labels
+        for side in ("a", "b"):
+            party = contacts[side]
+            rows, reach = arena.motion[party], arena.finite_reach[party]
+            way = lengths(rows["v"]) + lengths(rows["w"]) * reach
+            np.logical_or.at(moves, label, way * span > STILL_PART * np.maximum(reach, 1e-300))
+        return moves[label]
 
     def _solve(self, contacts: np.ndarray, bias: np.ndarray) -> None:
         """Contact impulses over the leg; self.ends become the twists with them."""
@@ -182,8 +227,9 @@ class Holder:
         self.unfinished += status == TOO_MANY
 
     def _staying(
-        self, contacts: np.ndarray, middle: np.ndarray, start: np.ndarray, free: np.ndarray, now: float, end: float
-    ) -> np.ndarray:
+        self, contacts: np.ndarray, middle: np.ndarray, label: np.ndarray, start: np.ndarray, free: np.ndarray,
+        now: float, end: float,
+    ) -> np.ndarray:  # fmt: skip
         """The contacts that push, or touch without parting; their work goes to the ledger. free: ends without them."""
         arena = self.arena
         before, after = np.empty(len(contacts)), np.empty(len(contacts))
@@ -192,8 +238,9 @@ class Holder:
         push = lengths(contacts["impulse"]) > 0.0
         alone = np.empty(len(contacts))
         approaches(middle, arena.responses, free, alone)
-        scale = max(np.abs(after - before).max(initial=0.0), np.abs(alone - before).max(initial=0.0))
-        parting = np.abs(after) > PARTING * scale
+        scale = np.zeros(len(contacts))  # of each island: what moves fast in one does not change what rests in another
+        np.maximum.at(scale, label, np.maximum(np.abs(after - before), np.abs(alone - before)))
+        parting = np.abs(after) > PARTING * scale[label]
         stays = push | ~(parting & (after > 0.0)) | (before < 0.0)  # one that dips before it opens is no new contact
         held = contacts[stays].copy()
         held["fresh"] = 0

@@ -9,22 +9,28 @@ A row of POSE stands at the start of its path, PATH.t.
 
 Constant forces with v linear in time are the trapezoidal rule: if a contact does not approach at the start and at the
 end, it does not in between (as far as its normal keeps its direction), a body that slides straight is exact, and the
-work of a contact impulse is its product with the mean of the velocities before and after.
+work of a contact impulse is its product with the mean of the velocities before and after. What control loads and drives
+give on a HELD path is Simpson's sum of their power: exact for constant forces, of third order else, like the path.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.arrays import STILL
+from flowgmo.bodies.arrays import FORCED, HINGED, STILL
 from flowgmo.bodies.driven import place_hinged
+from flowgmo.bodies.equations import accelerations, hinge_acceleration
 from flowgmo.bodies.motion import fly
+from flowgmo.bodies.stops import first_crossing
 from flowgmo.kernel import inner, kernel
-from flowgmo.vectors import add, along, cross, dot, norm, put, put4, quad, rotate, triple, turned_linearly
+from flowgmo.vectors import add, along, cross, dot, norm, put, put4, quad, rotate, triple, turned_linearly, unrotate
 
 FREE, HELD, ASLEEP = 0, 1, 2
+FROM_PRESCRIBED, FROM_LOADS = 2, 3  # places in State.books
 #: One body's path: its start t [time], mode, acceleration of B, angular acceleration; force: mean of the contacts.
 PATH = np.dtype([("t", "f8"), ("mode", "i8"), ("acc", "f8", 3), ("alp", "f8", 3), ("force", "f8", 3)], align=True)
+#: One stop: body, component (0 1 2, 3 the angle), side (1: hi, -1: lo).
+STOP = np.dtype([("body", "i8"), ("k", "i8"), ("side", "i8")], align=True)
 
 
 @inner
@@ -76,6 +82,37 @@ def _run_held(body, row, path, dt):
 
 
 @inner
+def book_loads(body, row, path, laws, books, t):
+    """Add to books (4,) what control loads and drives give a body on its HELD path until time t; row: its start."""
+    dt = t - path.t
+    if laws is not None and path.mode == HELD and dt > 0.0 and (body.motion == FORCED or body.motion == HINGED):
+        for k in range(3):  # Simpson's weights 1 4 1
+            weight = dt * (4.0 if k == 1 else 1.0) / 6.0
+            loads, drives = _powers(body, row, path, laws, laws.hinged, laws.forced, 0.5 * k * dt)
+            books[FROM_LOADS] += weight * loads
+            books[FROM_PRESCRIBED] += weight * drives
+
+
+@inner
+def _powers(body, row, path, laws, hinged, forced, dt):
+    """Power of control loads and of drives, dt after the start of a HELD path."""
+    w, alp = triple(row.w), triple(path.alp)
+    if hinged is not None:
+        if body.motion == HINGED:
+            rate, gain = dot(w, body.axis), dot(alp, body.axis)
+            _, given = hinge_acceleration(body, laws, path.t + dt, row.angle + (rate + 0.5 * gain * dt) * dt)
+            return given * (rate + gain * dt), 0.0
+    if forced is not None:
+        if body.motion == FORCED and body.mass > 0.0:
+            q = turned_linearly(quad(row.q), w, alp, dt)
+            w_B = unrotate(q, along(w, dt, alp))
+            v = along(triple(row.v), dt, path.acc)
+            _, _, held, kept, f, m = accelerations(body, laws, path.t + dt, q, w_B, body.coupled, True)
+            return dot(f, v) + dot(m, w_B), dot(held, v) + dot(kept, w_B)
+    return 0.0, 0.0
+
+
+@inner
 def pose_at(body, row, path, laws, t, spare, hits):
     """Copy of a row of POSE brought to time t, in `spare`; the row itself is left alone."""
     copy_pose(spare, row)
@@ -93,6 +130,7 @@ def bring(which, A, M, P, laws, books, t, hits, hit_body):
     found = np.int64(0)
     for k in range(which.size):
         b = which[k]
+        book_loads(A[b], M[b], P[b], laws, books, t)
         n = run_path(A[b], M[b], P[b], laws, books, t, hits[found:])
         if n < 0:
             return found, b
@@ -109,6 +147,7 @@ def poses_at(which, A, M, P, laws, t, out, books, hits):
     for k in range(which.size):
         b = which[k]
         copy_pose(out[b], M[b])
+        book_loads(A[b], M[b], P[b], laws, books, t)
         run_path(A[b], out[b], P[b], laws, books, t, hits)
 
 
@@ -131,3 +170,19 @@ def motion_bounds(body, row, path, bound, span):
     rate = bound.spread * rate + bound.turn_gain * span
     alpha = bound.turn_gain + bound.unevenness * rate * rate
     return rate, alpha, bound.gain + bound.lever * (alpha + rate * rate)
+
+
+@kernel
+def stop_times(stops, A, M, P, times):
+    """Times (m,) [time] at which HELD bodies first reach their stops (m,) of STOP; infinity where they do not."""
+    for i in range(stops.size):
+        b, k, side = stops[i].body, stops[i].k, stops[i].side
+        times[i] = np.inf
+        if P[b].mode != HELD:
+            continue
+        if k == 3:
+            at, v, acc = M[b].angle, dot(M[b].w, A[b].axis), dot(P[b].alp, A[b].axis)
+        else:
+            at, v, acc = M[b].p[k] - A[b].origin[k], M[b].v[k], P[b].acc[k]
+        gap = A[b].hi[k] - at if side > 0 else at - A[b].lo[k]
+        times[i] = P[b].t + first_crossing(gap, side * v, side * acc)

@@ -3,6 +3,7 @@
 A body is quiet while it moves slower than QUIET sqrt(g R) at its surface. A set of bodies that touch each other falls
 asleep when all of them have been quiet for LEGS legs and they touch nothing else that moves; its velocities are then
 zero, which takes away less than QUIET² of m g R. Nothing is computed for it until something awake touches one of it.
+A body with control loads or prescribed components does not sleep: they may move it at any time.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ class Sleep:
         self.on = arena.model.contacts.sleep and arena.gravity > 0.0
         self.asleep, self.quiet = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
         self.limit = QUIET * np.sqrt(arena.gravity * arena.finite_reach)
+        self.driven = _driven(arena.bodies)
 
     def load(self, asleep: np.ndarray, quiet: np.ndarray) -> None:
         """Take (n,) each from the State."""
@@ -71,7 +73,8 @@ class Sleep:
         arena = self.arena
         rows = arena.motion
         speed = lengths(rows["v"]) + lengths(rows["w"]) * arena.finite_reach
-        self.quiet = np.where((speed <= self.limit) & (arena.movable == 1), self.quiet + 1, 0)
+        rests = (speed <= self.limit) & (arena.movable == 1) & ~self.driven
+        self.quiet = np.where(rests, self.quiet + 1, 0)
         tired = (self.quiet >= LEGS) & (self.asleep == 0)
         touched = np.zeros(len(tired), dtype=bool)  # only what lies on something rests
         touched[held["a"]] = touched[held["b"]] = True
@@ -85,3 +88,10 @@ class Sleep:
         self.asleep[sleeps] = 1
         rows["v"][sleeps] = 0.0
         rows["w"][sleeps] = 0.0
+
+
+def _driven(bodies: np.ndarray) -> np.ndarray:
+    """(k,) whether control loads act on a body, or a component of it is prescribed."""
+    laws = np.concatenate([bodies["force"], bodies["torque"], bodies["drive"]], axis=1)
+    loaded = (laws >= 0).any(axis=1) | (bodies["first_load"] < bodies["last_load"])
+    return loaded & (bodies["mass"] > 0.0)

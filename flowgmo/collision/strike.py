@@ -16,6 +16,7 @@ import numpy as np
 
 from flowgmo.collision.arena import Arena, cross, lengths, records_of
 from flowgmo.collision.gather import KEPT, approaches, islands
+from flowgmo.collision.limits import mark_limits
 from flowgmo.collision.respond import set_all
 from flowgmo.collision.together import strike_in_turn
 from flowgmo.errors import StepFailed
@@ -47,10 +48,13 @@ class Striker:
         self.arena, self.law = arena, law
         self.lost = 0  # clusters that were resolved pair after pair for want of a solution
 
-    def strike(self, contacts: np.ndarray, t: float, span: float, plastic: bool, books: np.ndarray) -> Outcome:
+    def strike(
+        self, contacts: np.ndarray, t: float, span: np.ndarray | float, plastic: float, books: np.ndarray
+    ) -> Outcome:
         """Resolve all impacts among contacts (m,) at time t; the parties' poses stand at t.
 
-        span [time]: the step in which a bounce series may end; plastic: no rebound for e < 1 (stalled events).
+        span (m,) [time]: the leg in which a bounce series may end; plastic: contacts with an e below it do not rebound
+        (stalled events).
         Changes velocities in arena.motion, contacts' impulse, regime, loss; books (4,) get the energy.
         """
         arena = self.arena
@@ -65,12 +69,12 @@ class Striker:
             hits &= speed < -SLOW * self._scale(contacts)
         if not hits.any():
             return Outcome(records, struck, speed)
-        label = np.empty(len(contacts), dtype=np.int64)
+        spans, label = np.broadcast_to(span, len(contacts)), np.empty(len(contacts), dtype=np.int64)
         islands(contacts, arena.movable, label)
         for number in np.unique(label[hits]):
             member = np.flatnonzero(label == number)
             group = contacts[member]
-            self._settle(group, speed[member], span, plastic)
+            self._settle(group, speed[member], spans[member], plastic)
             self._resolve(group, t, books)
             contacts[member] = group
             struck[member] = True
@@ -78,7 +82,9 @@ class Striker:
         set_all(parties[arena.movable[parties] == 1], arena.bodies, arena.motion, arena.responses, arena.twists)
         before = speed.copy()
         approaches(contacts, arena.responses, arena.twists, speed)
-        settled = struck & (np.abs(speed) <= SETTLED * np.abs(before).max())
+        fastest = np.zeros(len(contacts))  # of each island: what happens in one does not change what rests in another
+        np.maximum.at(fastest, label, np.abs(before))
+        settled = struck & (np.abs(speed) <= SETTLED * fastest[label])
         speed[settled] = 0.0
         return Outcome(records, struck, speed)
 
@@ -93,17 +99,17 @@ class Striker:
             total += np.sqrt(arena.gravity * reach)
         return total
 
-    def _settle(self, group: np.ndarray, speed: np.ndarray, span: float, plastic: bool) -> None:
-        """Take e = 0 for fresh contacts whose bounces would all end within the span."""
+    def _settle(self, group: np.ndarray, speed: np.ndarray, span: np.ndarray, plastic: float) -> None:
+        """Take e = 0 for fresh contacts whose bounces would all end within the span, and for those with e < plastic."""
         ends = self.returns(group, group["e"] * np.maximum(-speed, 0.0), span)
-        group["e"][(ends | plastic) & (group["e"] < 1.0)] = 0.0
+        group["e"][ends | (group["e"] < plastic)] = 0.0
 
-    def returns(self, contacts: np.ndarray, speed: np.ndarray, span: float) -> np.ndarray:
+    def returns(self, contacts: np.ndarray, speed: np.ndarray, span: np.ndarray) -> np.ndarray:
         """(m,) whether contacts that part with `speed` [length/time] rest again within the span, bounces included."""
         pull = self._pull(contacts)
         return (pull > 0.0) & (2.0 * speed < span * pull * (1.0 - contacts["e"]))
 
-    def parts(self, contacts: np.ndarray, speed: np.ndarray, span: float) -> np.ndarray:
+    def parts(self, contacts: np.ndarray, speed: np.ndarray, span: np.ndarray) -> np.ndarray:
         """(m,) whether contacts that open with `speed` [length/time] leave; the others may press again within the span.
 
         A plastic contact that opens only because the bodies turn is left to the contact forces. One that rebounds
@@ -145,6 +151,7 @@ class Striker:
         closed = (group["e"][took] == 0.0) & (self._given(group[took]) > 0.0)
         rows["regime"][closed] = REST
         rows["e"] = self._given(group[took])
+        mark_limits(group[took], rows, self.arena)
         return rows
 
     def _given(self, group: np.ndarray) -> np.ndarray:

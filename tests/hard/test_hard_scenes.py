@@ -137,14 +137,12 @@ def test_kissing_balls_on_a_table(height):
     np.testing.assert_allclose(s.v, 0, atol=1e-9)
 
 
-ENDLESS = pytest.mark.xfail(run=False, reason="e = 1: wall and driver take turns in stalled events, 20 minutes a step")
-
-
 @pytest.mark.parametrize("dt", [0.01, 1.0])
-@pytest.mark.parametrize("e", [0.5, 0.0, pytest.param(1.0, marks=ENDLESS)])
+@pytest.mark.parametrize("e", [0.5, 0.0, 1.0])
 def test_a_driven_ball_crushes_a_ball_into_a_wall(dt, e):
     """No motion obeys all. It goes on, the overlap is shared, the ball gets no speed from it, and is at rest after the
-    driven one has gone through. Fails where position correction or a contact force throws it out."""
+    driven one has gone through. Fails where position correction or a contact force throws it out, and for e = 1, where
+    its speed grows without bound as the room goes to zero, if the impacts do not become plastic in the end."""
     text = deck(driven((-0.5, 0, 0), v=(1.0, 0, 0)), ball((0, 0, 0)), lo=(-3, -3, -3), hi=(0.3, 3, 3),
                 sides=(3, 2, 3, 3, 3, 3), e=e)  # fmt: skip
     s = Scene(text)

@@ -89,21 +89,12 @@ def test_a_ball_stays_in_a_rough_groove(height):
     np.testing.assert_allclose(s.w[0], 0, atol=1e-8)
 
 
-@pytest.mark.parametrize(
-    "general",
-    [
-        True,
-        pytest.param(
-            False,
-            marks=pytest.mark.xfail(
-                strict=True,
-                reason=("closed forms of balls: impacts up to their limit, no hand over to the contact engine"),
-            ),
-        ),
-    ],
-)
+@pytest.mark.parametrize("general", [True, False])
 def test_a_ball_that_slides_along_a_rough_groove_rolls(general):
-    """Friction acts at r = R/√2 from its axis: it will roll with v0/(1 + 2/5 R²/r²) = v0/1.8. Measured: 2e-7."""
+    """Friction acts at r = R/√2 from its axis: it will roll with v0/(1 + 2/5 R²/r²) = v0/1.8. Measured: 2e-7.
+
+    Fails where the closed forms count the tiny hops between the two flats up to their limit, and do not hand over.
+    """
     s = groove(1e-3, v=0.3)
     s.state.general = general  # True: the contact engine from the start
     s.to(3.0, 0.05)

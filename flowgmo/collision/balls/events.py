@@ -28,16 +28,20 @@ from flowgmo.collision.balls.resolve import (
 from flowgmo.collision.balls.resting import series_time
 from flowgmo.collision.balls.search import NEVER, bound_path, meets_ball, meets_flat
 from flowgmo.kernel import inner, kernel
-from flowgmo.vectors import along, dot, put, triple
+from flowgmo.vectors import along, dot, norm, put, triple
 
 # what an event is; NEAR: look again from here
 NOTHING, WITH_BALL, WITH_FLAT, END_OF_LEG, NEAR_BALL, NEAR_FLAT = 0, 1, 2, 3, 4, 5
 COLLAPSED = 200  # events of one ball in a row at one time after which its impacts are plastic (inelastic collapse)
 MOST_EVENTS = 1_000_000  # in one step: a record takes 136 bytes, and an interrupt waits for the step to end
-STALLED = 2000  # events of one ball in a row at one time: it comes to rest where no closed form exists
+STALLED = 2000  # events of one ball in a row at one time or place: it comes to rest where no closed form exists
+IN_PLACE = 1e-6  # of its radius that a ball moves between two such events: STALLED of them are 1/500 of it together
 
-#: The next event of a ball: when, what, and with whom (ball or flat).
-EVENT = np.dtype([("at", "f8"), ("what", "i8"), ("whom", "i8"), ("stalls", "i8"), ("changed", "i8")], align=True)
+#: The next event of a ball: when, what, and with whom (ball or flat); stalls, rattles: in a row at one time, at one
+#: place (friction of one flat throws a ball that slides along a groove against the other, in ever new tiny hops).
+EVENT = np.dtype(
+    [("at", "f8"), ("what", "i8"), ("whom", "i8"), ("stalls", "i8"), ("rattles", "i8"), ("changed", "i8")], align=True
+)
 
 
 @inner
@@ -123,6 +127,14 @@ def _bring(i, sc, A, laws, M, L, books, now, at_its_end, records, count, hits):
     return ok, records
 
 
+@inner
+def _stays(i, sc, A, M, L, now):
+    """Whether ball i has hardly moved on its leg so far: M stands at the start of it."""
+    ball = sc.balls[i]
+    dt = now - L[i].t
+    return (norm(M[ball.body].v) + 0.5 * norm(A[ball.body].gravity) * dt) * dt <= IN_PLACE * ball.radius
+
+
 @kernel
 def run_events(
     sc, A, laws, M, L, T, books, t0, t1, asked, rows, rows_force, rows_books, records, count, events, others
@@ -144,6 +156,7 @@ def run_events(
         L[i].flat = -1
         L[i].bounces = 0
         events[i].stalls = 0
+        events[i].rattles = 0
         events[i].changed = 0
         status = start_leg(i, sc, A, M, L, t0, t1)
         if status != DONE:
@@ -183,7 +196,9 @@ def run_events(
             return records, TOO_MANY, now, sc.balls[first].body, partner
         # impacts without end in no time: what is left of the speeds is below rounding, and is taken away
         collapsed = events[first].stalls > COLLAPSED
-        if events[first].stalls > STALLED:
+        stays = _stays(first, sc, A, M, L, now) and (not with_ball or _stays(whom, sc, A, M, L, now))
+        events[first].rattles = events[first].rattles + 1 if stays else 0
+        if events[first].stalls > STALLED or events[first].rattles > STALLED:
             return records, RESTS_ON_ROUND, now, sc.balls[first].body, partner
         events[first].changed = 1
         if with_ball:

@@ -75,3 +75,22 @@ def test_held_pairs_keep_impulse_and_age():
     (now,) = watch.touching(found)
     assert now["fresh"] == 0 and now["age"] == 0.7 and tuple(now["impulse"]) == (1, 2, 3)
     assert abs(now["point"][0] - found["point"][0, 0]) > 0.1
+
+
+def test_a_block_that_lies_flat_touches_in_four_nodes_that_span_its_face():
+    """Of 5 x 5 nodes in its lower face: the mean of the four within a cell of its middle, none on a line of three."""
+    block = solid((-0.11, -0.12, 0.6), (0.11, 0.12, 0.8)).replace("imo(#)=0", "imo(#)=4, rhomvb(#)=1000.0")
+    text = deck(block, solid((-1, -1, -1), (1, 1, 0.013)), lo=(-1,) * 3, hi=(1,) * 3, cells=CELLS, e=0.5,
+                knobs="search='grid',")  # fmt: skip
+    watch = GridWatch(arena_of(text))
+    watch.arena.motion["p"][0, 2] = 0.08
+    watch.arena.motion["v"][0, 2] = -1.0
+    found = watch.touching(no_contacts())
+    assert len(found) == 4
+    np.testing.assert_allclose(found["normal"], [[0, 0, 1]] * 4, atol=1e-14)
+    spread = found["point"][:, :2]
+    assert np.linalg.norm(spread.mean(axis=0)) < 0.05
+    assert np.linalg.matrix_rank(spread - spread.mean(axis=0), tol=0.05) == 2
+    watch.arena.motion["v"][0, 2] = 0.0
+    assert len(watch.touching(no_contacts())) == 0
+    assert len(watch.touching(found)) == 4
