@@ -1,16 +1,28 @@
 """The two decorators of all compiled functions.
 
-`kernel` is called from Python. `inner` is called from kernels only: without the wrappers that Python needs it
-compiles in half the time (a scene's first start is mostly compilation). Tests call inner functions through a
-kernel of their own.
-
-Both are cached on disk (the package names the folder, see __init__). A division by zero gives infinity or nan, as in
-numpy, and no exception: kernels test for what they need.
+`kernel` is called from Python. `inner` is called from kernels only. Tests call inner functions through a kernel of
+their own. Kernels are cached on disk (the package names the folder, see __init__). A division by zero gives infinity
+or nan, as in numpy, and no exception: kernels test for what they need. compiler.py keeps their first start short.
 """
 
 from __future__ import annotations
 
+import numba
 from numba import njit
 
-kernel = njit(cache=True, error_model="numpy")
-inner = njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+#: Versions of numba that compiler.py was tested with; with others compilation takes twice as long, and works.
+TESTED = ("0.68",)
+
+
+def pipelines(version: str) -> tuple[dict, dict]:
+    """Options that choose the compiler of kernels and of inner functions with this version of numba ("0.68.1")."""
+    if ".".join(version.split(".")[:2]) not in TESTED:
+        return {}, {}
+    from flowgmo.compiler import InnerCompiler, KernelCompiler
+
+    return {"pipeline_class": KernelCompiler}, {"pipeline_class": InnerCompiler}
+
+
+_of_kernel, _of_inner = pipelines(numba.__version__)
+kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **_of_kernel)
+inner = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_of_inner)

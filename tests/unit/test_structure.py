@@ -16,7 +16,7 @@ PACKAGE = Path(flowgmo.__file__).parent
 ROOT = PACKAGE.parent
 
 #: What each part may import from the package. `deck` and `geometry` know nobody; the physics does not know the deck.
-BASE = {"errors", "kernel", "vectors", "records"}
+BASE = {"errors", "kernel", "compiler", "vectors", "records"}
 MODEL = {"bodies.body", "mesh", "model"}
 MAY = {
     "deck": {"errors"},
@@ -30,7 +30,8 @@ MAY = {
     "records": set(),
     "mesh": set(),
     "vectors": {"kernel"},
-    "kernel": {""},
+    "kernel": {"", "compiler"},
+    "compiler": {""},
     "errors": set(),
 }
 
