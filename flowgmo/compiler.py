@@ -4,13 +4,13 @@ A first start is compilation and little else. Left alone, numba makes every func
 everything it calls inside it: a function five calls deep is optimised and emitted six times. What is different here, in
 seconds of one core for two boxes that fall on a floor, numba 0.68 (others at work on the machine: within 2 s each):
 
-    inner functions stop after their own code; a kernel links all it needs, is optimised and emitted once     49 -> 34
-    no garbage collection while a kernel compiles                                                             34 -> 32
-    the type of an operation on operands of given types is looked up once, not for each `+`                   32 -> 29
-    passes that find nothing to do in inner functions are left out; no wrapper for C around kernels           29 -> 27
+    inner functions stop after their own code; a kernel links all it needs, is optimised and emitted once    49 -> 34
+    no garbage collection while a kernel compiles                                                            34 -> 32
+    the type of an operation on operands of given types is looked up once, not for each `+`                  32 -> 29
+    passes that find nothing to do in inner functions are left out; no wrapper for C around kernels          29 -> 27
 
 The machine code is as fast, the results are the same bits. All of it uses numba's own hooks: a compiler pipeline of
-one's own (`pipeline_class`), which brings the library that holds the code and the context that knows types. Hooks change
+our own (`pipeline_class`), which brings the library that holds the code and the context that knows types. Hooks change
 between versions of numba: kernel.py takes these with the versions they were tested with, numba's own with others.
 """
 

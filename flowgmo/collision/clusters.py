@@ -18,8 +18,19 @@ their common stiffness only sets its unit, and is 1),
 which also starts by itself: δ_j = -v_j t at first. The bodies do not move meanwhile. Friction opposes the slip, and
 holds where the cone allows.
 
-Steps (cluster_step.py) have h ω <= `fraction`, ω the fastest swing of the springs at that moment; the error falls with
-its square. The energy is exact at any step. Contacts that feel nothing (E_j = 0, v_j >= 0) are not touched.
+Steps (cluster_step.py) have h ω <= `fraction`, ω the fastest swing of the springs at that moment; the error falls
+with its square. The energy is exact at any step. Contacts that feel nothing (E_j = 0, v_j >= 0) are not touched: a
+sweep goes over the active contacts, and the search for new ones over those that an active one pushes.
+
+Events. Where a contact with e = 0 stops closing or slip halts, a step ends: its length is found by regula falsi, first
+on the guess with which a step begins, which costs a third of a sweep, then on the step itself.
+
+What small and large clusters are worth. The velocities after a few contacts are a law of nature; those after a hundred
+rough ones, chaotic: each contact that stops or halts a little later changes them by more. So the tolerances grow with
+the number of contacts, up to three times coarser steps: velocities to about 1e-3 of the largest change in place of
+1e-4 (captured dominoes, heaps of spheres and of cubes: medians 1e-4 to 7e-4). From 100 contacts on, what is too slow to
+matter, and left to the plastic end, grows up to four times more. The speed of what goes on in a cluster falls by equal
+factors in equal numbers of steps, so that to stop at 1e-3 halves them.
 
 Sources: Liu, Zhao & Brogliato 2008, Proc. R. Soc. A 464, 3193; 2009, 465, 1; friction as in Jia & Wang 2017.
 """
@@ -28,11 +39,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.cluster_step import ROUND_OFF, accept, reaches, step_length, try_step
+from flowgmo.collision.cluster_step import ROUND_OFF, accept, regroup, step_length, sweep
 from flowgmo.collision.coupling import any_rough, couple, no_gain, write_back
 from flowgmo.collision.friction import halt
 from flowgmo.collision.plastic import CLOSE, IN_VAIN, SOFT, largest_approach, settle, start_again, sweeps_for
-from flowgmo.kernel import inner
+from flowgmo.kernel import inner, kernel
 from flowgmo.records import CLUSTER, SLIP, STICK
 
 # how a cluster can end
@@ -45,45 +56,59 @@ TRY, LAW, LEAST, END = 0, 1, 2, 3
 AT_REST = 1e-9  # approach [v_ref] that counts as none where e = 1: its energy is round-off
 NEARLY = 1e-3  # of the first approach × fraction, the same for e < 1: far below the error of the steps
 LOCKED = 1e-3  # speed, of the one that the stored energy can give, below which nothing moves
-SLACK = 1e-4  # change that sweeps may leave where there is friction, alike × fraction²: 1e-6 gives nothing better
+# what follows is in first approaches × fraction², as the error of the steps
+SLACK = 1e-4  # change that sweeps may leave where there is friction: 1e-6 gives nothing better
+TURN = 0.02  # normal velocity after the end of a contact with e = 0, and slip that counts as none: many add up
+OVER = 0.1  # speed below which a large cluster is over
+FEW, FEW_ROUGH = 64, 8  # contacts, frictionless and rough, above which steps and tolerances grow with their number
+COARSEST_STEPS = 3.0  # to so many times `fraction`: a step is then a tenth of a swing and still resolves it
+CROWD, CROWDED = 100, 4.0  # contacts above which NEARLY and OVER grow with their number too, and to how many times
+SWEEPS = 50  # in one try: friction of redundant contacts may leave more than `enough` after it
+TRIES = 60  # for one step: two or three an event; at the bound the last try is made real, its energy is exact too
 
 
 @inner
-def _collect(springs, active, nearly):
+def _collect(springs, near, number, active, nearly):
     """Fill active with the contacts that store energy or approach, by more than nearly [v_ref] where e < 1.
 
-    Returns their number and whether the set is a new one.
+    near[:number]: where to look. Returns their number, whether the set is a new one, and the largest speed that is
+    left: of an approach, or of what the stored energy can give; infinite where one has e = 1: its energy is to be kept.
     """
     count = np.int64(0)
     changed = False
-    for i in range(springs.shape[0]):
+    speed = 0.0
+    for k in range(number):
+        i = near[k]
         s = springs[i]
         least = AT_REST if s.rate == 1.0 else nearly
         acts = 1 if s.own[2, 2] > 0.0 and (s.stored > 0.0 or s.v[2] < -least) else 0
         if acts != s.active:
             changed = True
             s.active = acts
-            s.dp[0], s.dp[1], s.dp[2] = 0.0, 0.0, 0.0
+            s.rise = 0.0
+            s.tilt[0], s.tilt[1], s.tilt[2] = 0.0, 0.0, 0.0
         if acts == 1:
             active[count] = i
             count += 1
-    return count, changed
+            left = max(s.v[2] * s.v[2], 2.0 * s.own[2, 2] * s.stored)
+            speed = max(speed, left) if s.rate != 1.0 else np.inf
+    return count, changed, np.sqrt(speed)
 
 
 @inner
-def _earliest(springs, active, count, slack):
+def _earliest(springs, active, count, turn, still, halts):
     """Fraction of the tried step after which something changes that a step must not hold in its middle; 1: nothing.
 
-    A contact with e = 0 stops closing, or slip halts.
+    A contact with e = 0 stops closing, by more than turn [v_ref], or slip above still [v_ref] halts.
     """
     first = 1.0
     for i in range(count):
         s = springs[active[i]]
         v, w = s.v[2], s.end[2]
-        if s.rate == 0.0 and v < 0.0 and w > ROUND_OFF:
+        if s.rate == 0.0 and v < -turn and w > turn:
             first = min(first, v / (v - w))
-        if s.mu > 0.0:
-            first = min(first, halt(s, slack))
+        if s.mu > 0.0 and halts:
+            first = min(first, halt(s, still))
     return first
 
 
@@ -100,50 +125,84 @@ def _locked(springs, active, count):
 
 
 @inner
-def _finite(springs):
+def _finite(springs, active, count):
     """Whether the end velocities of the tried step are numbers; impulses that are none would show in them."""
     total = 0.0
-    for i in range(springs.shape[0]):
-        w = springs[i].end
+    for i in range(count):
+        w = springs[active[i]].end
         total += w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
     return total < np.inf
 
 
 @inner
+def _tolerances(springs, rough, fraction):
+    """The fraction to step with, enough, turn, still, nearly, over, all but the first in v_ref.
+
+    enough: change by a sweep; turn, still: see _earliest; nearly: see _collect; over: largest speed of a cluster that
+    is over, zero for small ones.
+    """
+    m = springs.shape[0]
+    first = largest_approach(springs)
+    coarse = max(1.0, min(m / (FEW_ROUGH if rough else FEW), COARSEST_STEPS))
+    crowd = max(1.0, min(m / CROWD, CROWDED))
+    x = coarse * fraction
+    enough, turn, still = ROUND_OFF, ROUND_OFF, 0.0
+    if rough:
+        enough = max(SLACK * coarse**3 * x * x * first, ROUND_OFF)
+        turn = max(TURN * x * x * first, ROUND_OFF)
+        still = max(turn, 10.0 * enough)  # sweeps leave that of a stick
+    nearly = max(NEARLY * crowd * coarse * x * first, 10.0 * ROUND_OFF)
+    over = OVER * crowd * x * x * first if coarse > 1.0 else 0.0
+    return x, enough, turn, still, nearly, over
+
+
+@inner
+def _find_step(springs, links, active, count, h, eta, rough, tolerances):
+    """Find dp and end of a step of length h, or of a shorter one that ends with the first event. Returns its length."""
+    _, enough, turn, still, _, _ = tolerances
+    swept = False
+    for _ in range(TRIES):
+        change = sweep(springs, links, active, count, h, eta, rough, SWEEPS if swept else 0, enough)
+        first = _earliest(springs, active, count, turn, still, swept)
+        if not rough and change > 10.0 * enough and first == 1.0:
+            first = 0.5  # the sweeps do not settle
+        if first == 1.0 and swept:
+            break
+        swept = first == 1.0
+        h *= first
+    return h
+
+
+@inner
 def _integrate(springs, links, eta, fraction, rough, most):
-    """Step until nothing is stored and nothing approaches, or what is stored cannot come out.
+    """Step until nothing is stored and nothing approaches, or what is stored cannot come out or is of no account.
 
     Returns whether `most` steps did, each of them with numbers. If not, and where it is locked, energy is still stored.
     """
-    active = np.zeros(springs.shape[0], np.int64)
-    first_approach = largest_approach(springs)
-    slack = max(SLACK * fraction * fraction * first_approach, ROUND_OFF)
-    enough = slack if rough else ROUND_OFF
-    nearly = max(NEARLY * fraction * first_approach, 10.0 * ROUND_OFF)
+    m = springs.shape[0]
+    active = np.zeros(m, np.int64)
+    near = np.zeros(m, np.int64)
+    for i in range(m):
+        near[i] = i
+    number = np.int64(m)
+    tolerances = _tolerances(springs, rough, fraction)
+    fraction, _, turn, _, nearly, over = tolerances
     h = 0.0
-    still = np.int64(0)
+    locked = np.int64(0)
     for _ in range(most):
-        count, changed = _collect(springs, active, nearly)
-        if count == 0:
+        count, changed, speed = _collect(springs, near, number, active, nearly)
+        if count == 0 or speed < over:
             return True
         if changed:
-            reaches(springs, links, active, count)
-        still = still + 1 if _locked(springs, active, count) else 0
-        if still > 20:  # steps; where it turns without being locked it moves on at the next
+            number = regroup(springs, links, active, count, near, number)
+        locked = locked + 1 if _locked(springs, active, count) else 0
+        if locked > 20:  # steps; where it turns without being locked it moves on at the next
             return True
         h = step_length(springs, active, count, h, eta, fraction)
-        part = h
-        for _ in range(30):  # regula falsi on a nearly straight line, and halvings where the sweeps do not settle
-            change = try_step(springs, links, active, count, part, eta, rough, 50, enough)
-            first = _earliest(springs, active, count, slack)
-            if not rough and change > 10.0 * enough and first == 1.0:
-                first = 0.5
-            if first == 1.0:
-                break
-            part *= first
-        if not _finite(springs):
+        part = _find_step(springs, links, active, count, h, eta, rough, tolerances)
+        if not _finite(springs, active, count):
             return False
-        accept(springs, active, count, eta)
+        accept(springs, links, active, count, part, eta, turn)
     return False
 
 
@@ -159,15 +218,16 @@ def _driven(contacts, responses, twists):
     return False
 
 
-@inner
+@kernel
 def resolve(contacts, responses, twists, eta, fraction):
     """Resolve contacts (m,) of CONTACT that touch, together.
 
-    responses, twists (n,): of the parties; eta [-]: exponent of the springs; fraction [-]: step h ω, 0.03 gives
-    velocities to 1e-4, and 0.01 to 1e-5. Writes impulse, regime, loss of the contacts and the twists after. Returns
-    status and the largest approach speed that is left [length/time]. ½ (v⁻ + v⁺)·J summed, which is the change of the
-    kinetic energy where no party is driven, does not rise and is minus the sum of the losses; |Jt| <= μ Jn. Input that
-    is not finite is left as it is (UNFINISHED, inf); other input gives numbers.
+    responses, twists (n,): of the parties; eta [-]: exponent of the springs; fraction [-]: step h ω of a small cluster,
+    0.03 gives velocities to 1e-4, and 0.01 to 1e-5; of a large one see the module. Writes impulse, regime, loss of the
+    contacts and the twists after. Returns status and the largest approach speed that is left [length/time].
+    ½ (v⁻ + v⁺)·J summed, which is the change of the kinetic energy where no party is driven, does not rise and is minus
+    the sum of the losses; |Jt| <= μ Jn. Input that is not finite is left as it is (UNFINISHED, inf); other input gives
+    numbers.
     """
     rough = any_rough(contacts)
     m = contacts.shape[0]

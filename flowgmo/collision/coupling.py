@@ -9,8 +9,8 @@ The blocks K_ij are packed: those of contact j lie in links[first_j : last_j]; p
 driven bodies) make none. Two contacts with two parties in common have two links; they add up. The own block K_jj stays
 with the contact. A frictionless cluster fills only the entry of the two normals.
 
-Everything is divided by the largest |v| and the largest K_nn, so that lengths, masses, times scaled by powers of two
-give the same bits. Energies are then in v_ref² / K_ref, impulses in v_ref / K_ref.
+Everything is divided by the largest speed |v| and the largest K_nn, so that lengths, masses, times scaled by powers of
+two give the same bits. Energies are then in v_ref² / K_ref, impulses in v_ref / K_ref.
 """
 
 from __future__ import annotations
@@ -19,18 +19,22 @@ import numpy as np
 
 from flowgmo.collision.cluster_step import ROUND_OFF
 from flowgmo.collision.contact import push, symmetric_times
+from flowgmo.collision.frame import tangents
 from flowgmo.kernel import inner
 from flowgmo.vectors import along, cross, dot, put, scale, sub, triple
 
-#: One contact of a cluster, scaled, in its own axes (rows of `axes`: t1, t2, n). own: K_jj; v: velocity; end: velocity
-#: at the end of the step that is tried; p: impulse so far; dp: of this step; stored: energy E; depth: compression;
-#: force: its power; rate: 1/e² (0: nothing comes back); reach: Σ |K_nn| over the active contacts; loss: energy so far;
-#: j, jw: rows of J and J W of both sides.
+#: One contact of a cluster, scaled, in its own axes (rows of `axes`: t1, t2, n). own: K_jj; first … middle … last: its
+#: links, those to active contacts first; rate: 1/e² (0: nothing comes back); start, v, end: velocity at the start of
+#: all, now, and at the end of the step that is tried; p: impulse so far; dp: of the step that is tried; tilt: dp of the
+#: last step; slide: mean slip speed where it slipped last; rise: normal acceleration in the last step; stored: energy
+#: E; depth: compression; force: its power; reach: Σ |K_nn| over the active contacts; loss: energy so far; active: acts;
+#: near: acts or is pushed by one that does.
 SPRING = np.dtype(
     [
         ("axes", "f8", (3, 3)),
         ("own", "f8", (3, 3)),
         ("first", "i8"),
+        ("middle", "i8"),
         ("last", "i8"),
         ("rate", "f8"),
         ("mu", "f8"),
@@ -39,17 +43,21 @@ SPRING = np.dtype(
         ("end", "f8", 3),
         ("p", "f8", 3),
         ("dp", "f8", 3),
+        ("tilt", "f8", 3),
+        ("slide", "f8"),
+        ("rise", "f8"),
         ("stored", "f8"),
         ("depth", "f8"),
         ("force", "f8"),
         ("reach", "f8"),
         ("loss", "f8"),
         ("active", "i8"),
-        ("j", "f8", (2, 3, 6)),
-        ("jw", "f8", (2, 3, 6)),
+        ("near", "i8"),
     ],
     align=True,
 )
+#: Rows (t1, t2, n) of J and J W of both sides of a contact, needed for its blocks only.
+ROWS = np.dtype([("j", "f8", (2, 3, 6)), ("jw", "f8", (2, 3, 6))], align=True)
 #: What an impulse of one contact does to another: dv_to += k p.
 LINK = np.dtype([("to", "i8"), ("k", "f8", (3, 3))], align=True)
 
@@ -64,17 +72,7 @@ def movable(response):
 
 
 @inner
-def tangents(n):
-    """Two unit vectors (triples) across n; n1 lies across n's smallest component."""
-    ax, ay, az = abs(n[0]), abs(n[1]), abs(n[2])
-    e = (1.0, 0.0, 0.0) if ax <= ay and ax <= az else ((0.0, 1.0, 0.0) if ay <= az else (0.0, 0.0, 1.0))
-    t = cross(n, e)
-    t = scale(1.0 / np.sqrt(dot(t, t)), t)
-    return t, cross(n, t)
-
-
-@inner
-def _place(s, contact, responses, twists, lowest):
+def _place(s, rows, contact, responses, twists, lowest):
     """Axes, velocity, J and J W (axes lowest .. 2) of one contact."""
     n = triple(contact.normal)
     t1, t2 = tangents(n)
@@ -95,10 +93,10 @@ def _place(s, contact, responses, twists, lowest):
             dv = symmetric_times(response.wt, d)
             dw = symmetric_times(response.wr, turn)
             for k in range(3):
-                s.j[side, r, k] = d[k]
-                s.j[side, r, 3 + k] = turn[k]
-                s.jw[side, r, k] = dv[k]
-                s.jw[side, r, 3 + k] = dw[k]
+                rows.j[side, r, k] = d[k]
+                rows.j[side, r, 3 + k] = turn[k]
+                rows.jw[side, r, k] = dv[k]
+                rows.jw[side, r, 3 + k] = dw[k]
 
 
 @inner
@@ -111,7 +109,7 @@ def _add_block(k, one, two, lowest):
 
 
 @inner
-def _link(contacts, responses, springs, lowest):
+def _link(contacts, responses, springs, rows, lowest):
     """Links between all pairs of contacts on one movable party, and the own blocks, not yet scaled.
 
     Sides (2 contact + side) that hold on to one party are chained: newest[party, 0], then before[side], to -1.
@@ -143,7 +141,7 @@ def _link(contacts, responses, springs, lowest):
                 links[filled].to = other // 2
                 block = links[filled].k
                 filled += 1
-            _add_block(block, springs[other // 2].j[other % 2], s.jw[i % 2], lowest)
+            _add_block(block, rows[other // 2].j[other % 2], rows[i // 2].jw[i % 2], lowest)
             other = newest[behind + other, 0]
         s.last = filled
     return links
@@ -157,16 +155,23 @@ def couple(contacts, responses, twists, rough):
     """
     m = contacts.shape[0]
     springs = np.zeros(m, SPRING)
+    rows = np.zeros(m, ROWS)
     lowest = 0 if rough else 2
     for i in range(m):
-        _place(springs[i], contacts[i], responses, twists, lowest)
-    links = _link(contacts, responses, springs, lowest)
+        _place(springs[i], rows[i], contacts[i], responses, twists, lowest)
+    links = _link(contacts, responses, springs, rows, lowest)
     v_ref = 0.0
     k_ref = 0.0
     for i in range(m):
         for r in range(3):
             v_ref = max(v_ref, abs(springs[i].v[r]))
         k_ref = max(k_ref, springs[i].own[2, 2])
+    v_unit = v_ref if v_ref > 0.0 else 1.0
+    size = 0.0
+    for i in range(m):  # speeds, not components: alike for any choice of tangents; scaled, for squares may vanish
+        x, y, z = springs[i].v[0] / v_unit, springs[i].v[1] / v_unit, springs[i].v[2] / v_unit
+        size = max(size, x * x + y * y + z * z)
+    v_ref *= np.sqrt(size)
     v_unit = v_ref if v_ref > 0.0 else 1.0
     k_unit = k_ref if k_ref > 0.0 else 1.0
     for i in range(m):

@@ -24,48 +24,53 @@ from flowgmo.kernel import inner
 def _solved(kxx, kyy, kxy, s, x, y):
     """(K + s)⁻¹ (x, y) of a symmetric 2 x 2 matrix."""
     a, c = kxx + s, kyy + s
-    det = a * c - kxy * kxy
-    return (c * x - kxy * y) / det, (a * y - kxy * x) / det
+    inverse = 1.0 / (a * c - kxy * kxy)
+    return (c * x - kxy * y) * inverse, (a * y - kxy * x) * inverse
 
 
 @inner
-def coulomb(kxx, kyy, kxy, vx, vy, bx, by, limit):
-    """Tangential impulse (two numbers) of a contact; limit = μ Δn. Units of impulse; K positive semi-definite."""
+def coulomb(kxx, kyy, kxy, vx, vy, bx, by, limit, near):
+    """Tangential impulse (two numbers) of a contact, and the mean slip speed s (near, where it sticks).
+
+    limit = μ Δn [impulse]; K positive semi-definite; near [velocity]: an s to begin with, of a sweep before.
+    """
     if limit <= 0.0:
-        return 0.0, 0.0
+        return 0.0, 0.0, near
     floor = 1e-13 * (kxx + kyy)  # a direction in which nothing moves (fixed point, axis) must not divide by zero
     if floor > 0.0:
         x, y = _solved(kxx, kyy, kxy, floor, bx, by)
         held = abs(x) <= limit and abs(y) <= limit  # first without squares, which vanish for the smallest numbers
         if held and x * x + y * y <= limit * limit and vx * x + vy * y >= 0.0:
-            return -x, -y
+            return -x, -y, near
     cx, cy = 0.5 * (vx + bx), 0.5 * (vy + by)
     size = np.sqrt(cx * cx + cy * cy)
     if size == 0.0:
-        return 0.0, 0.0
+        return 0.0, 0.0, near
     half = 0.5 * limit
     kxx, kyy, kxy = half * kxx, half * kyy, half * kxy
     s = 1e-13 * (kxx + kyy)  # as above
     if s > 0.0:
         x, y = _solved(kxx, kyy, kxy, s, cx, cy)
         if x * x + y * y <= 1.0:  # reverses within the step: no mean slip, no work
-            return -limit * x, -limit * y
-    s = max(s, size - kxx - kyy)  # left of the root: (s + K) d = c
-    for _ in range(30):  # converges quadratically from the left, seldom more than six
+            return -limit * x, -limit * y, near
+    least = max(s, size - kxx - kyy)  # left of the root: (s + K) d = c
+    s = max(least, near)  # from the right of the root the first step leads to its left, for the reciprocal is concave
+    for _ in range(30):  # converges quadratically from the left; with a good start one, seldom more than six
         x, y = _solved(kxx, kyy, kxy, s, cx, cy)
         r = np.sqrt(x * x + y * y)
         zx, zy = _solved(kxx, kyy, kxy, s, x, y)
-        step = r * r * (r - 1.0) / (x * zx + y * zy)
+        step = max(s + r * r * (r - 1.0) / (x * zx + y * zy), least) - s
         s += step
-        if step <= 1e-14 * s:  # round-off
+        if abs(step) <= 1e-6 * s:  # x - z step is then true to the square of that
             break
-    x, y = _solved(kxx, kyy, kxy, s, cx, cy)
+    x -= zx * step
+    y -= zy * step
     r = np.sqrt(x * x + y * y)
-    return -limit * x / r, -limit * y / r
+    return -limit * x / r, -limit * y / r, s
 
 
 @inner
-def halt(s, slack):
+def halt(s, still):
     """Fraction of a tried step of spring s after which its slip halts; 1 where it does not, or only at the end.
 
     A half where the slip turns by more than 60 degrees: it swerves past a minimum of its speed, in short steps.
@@ -75,10 +80,11 @@ def halt(s, slack):
 
         w = v'·d - K_dd (μ Δn + Δ·d),    and v + (w - v) t / h = 0 gives t
 
-    slack [v_ref]: slip that sweeps leave of a stick; it is no slip. Nor is what halts in the first 1e-3 of a step.
+    still [v_ref]: slip that is none: what sweeps leave of a stick, or less than the error of the steps. Nor does what
+    halts in the first 1e-3 of a step count.
     """
     v = np.sqrt(s.v[0] * s.v[0] + s.v[1] * s.v[1])
-    if v <= 10.0 * slack:
+    if v <= still:
         return 1.0
     x, y = s.v[0] / v, s.v[1] / v
     k = s.own[0, 0] * x * x + 2.0 * s.own[0, 1] * x * y + s.own[1, 1] * y * y
@@ -88,4 +94,4 @@ def halt(s, slack):
         return t
     along = s.end[0] * x + s.end[1] * y
     after = np.sqrt(s.end[0] * s.end[0] + s.end[1] * s.end[1])
-    return 0.5 if along < 0.5 * after and v > 1e-3 * after and after > 10.0 * slack else 1.0
+    return 0.5 if along < 0.5 * after and v > 1e-3 * after and after > still else 1.0

@@ -10,7 +10,6 @@ import numpy as np
 from tables import best_of, row, title
 
 import cluster_scenes as scenes  # isort: skip (tables adds its folder)
-from flowgmo.collision.clusters import resolve  # isort: skip
 from flowgmo.collision.laws import FRACTION  # isort: skip
 from flowgmo.collision.together import strike_in_turn, strike_together  # isort: skip
 from flowgmo.kernel import kernel  # isort: skip
@@ -19,27 +18,18 @@ HERTZ = 1.5
 
 
 @kernel
-def run(contacts, responses, twists, eta, fraction):
-    return resolve(contacts, responses, twists, eta, fraction)
-
-
-@kernel
 def nothing(contacts, responses, twists, eta, fraction):
     """What calling a kernel from Python costs: taken off."""
     return contacts.shape[0]
 
 
-def seconds(scene, fraction, call=run):
+def seconds(scene, fraction, call=strike_together):
     """The fastest of several calls, and the velocities after it."""
     best = np.inf
     for _ in range(5):
         contacts, responses, twists = (part.copy() for part in scene)
         best = min(best, best_of(1, call, contacts, responses, twists, HERTZ, fraction))
     return best, np.concatenate([twists["v"], twists["w"]])
-
-
-def together(contacts, responses, twists, eta, fraction):
-    strike_together(contacts, responses, twists, eta, fraction)
 
 
 def in_turn(contacts, responses, twists, eta, fraction):
@@ -74,7 +64,7 @@ def treatments():
     title("clusters: all contacts together (Hertz) or in turn; [m/s, 1/s]; order: change when contacts are renumbered")
     row("", "contacts", "", "", "", "lost", "order", "µs", width=48)
     for name, (scene, pick) in shown.items():
-        for label, call in (("together", together), ("in turn", in_turn)):
+        for label, call in (("together", strike_together), ("in turn", in_turn)):
             seconds(scene, FRACTION, call)
             call_alone, _ = seconds(scene, FRACTION, nothing)
             cost, end = seconds(scene, FRACTION, call)
@@ -97,13 +87,15 @@ SCENES = {
     "pile of 125 balls, 325 contacts": scenes.pile(5, 0.5, 0.0),
     "the same, rough": scenes.pile(5, 0.5, 0.3),
     "pile of 64 balls, e = 0": scenes.pile(4, 0.0, 0.0),
+    "tower of 11 cubes, 45 rough contacts": scenes.tower(11, 0.5, 0.5),
+    "the same, e = 0": scenes.tower(11, 0.0, 0.5),
 }
 
 
 def steps():
     """Cost and error of the step of the springs."""
     title("clusters: step of the springs, h ω; error against 0.005, of the largest velocity")
-    row("", *(x for f in (0.2, 0.1, 0.05, 0.03) for x in (f"µs at {f}", "error")), width=34)
+    row("", *(x for f in (0.2, 0.1, 0.05, 0.03) for x in (f"µs at {f}", "error")), width=38)
     for name, scene in SCENES.items():
         call, _ = seconds(scene, 0.03, nothing)
         _, exact = seconds(scene, 0.005)
@@ -111,7 +103,7 @@ def steps():
         for fraction in (0.2, 0.1, 0.05, 0.03):
             cost, end = seconds(scene, fraction)
             cells += [f"{(cost - call) * 1e6:.0f}", f"{abs(end - exact).max() / abs(exact).max():.0e}"]
-        row(name, *cells, width=34)
+        row(name, *cells, width=38)
 
 
 if __name__ == "__main__":

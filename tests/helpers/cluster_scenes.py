@@ -2,7 +2,21 @@
 
 import numpy as np
 
+from flowgmo.collision.clusters import DONE, resolve
 from flowgmo.collision.contact import CONTACT, RESPONSE, TWIST
+from flowgmo.collision.plastic import MANY
+
+FRACTION = 0.03
+
+
+def after(scene, eta=1.5, fraction=FRACTION, status=DONE):
+    """The scene's contacts and twists after its impacts; the scene itself stays."""
+    contacts, responses, twists = (part.copy() for part in scene)
+    got, left = resolve(contacts, responses, twists, eta, fraction)
+    assert got == status
+    close = 1e-11 if len(contacts) <= MANY else 1e-9
+    assert left <= close * max(np.abs(velocities(*scene)).max(), 1e-300) or status != DONE
+    return contacts, twists
 
 
 def parties(n):
@@ -102,6 +116,34 @@ def domino(e=0.846, mu=0.176, speed=10.0):
         contacts.append(contact(0, 2, (0, y, 0), (0, 0, 1), e, mu))
         contacts += [contact(1, 2, (x, y, 0), (0, 0, 1), e, mu) for x in (gap, gap + a)]
     return np.concatenate(contacts), responses, twists
+
+
+def tower(n, e, mu):
+    """n cubes (parties 1 .. n) on each other and on the floor (0), four contacts a face; a ball hits a middle one."""
+    responses, twists = parties(n + 2)
+    responses["wt"][1:, :3], responses["wr"][1:, :3] = 1, 6
+    responses["centre"][1 : n + 1, 2] = 0.5 + np.arange(n)
+    contacts = [
+        contact(1 + i, i, (x, y, i), (0, 0, 1), e, mu) for i in range(n) for x in (-0.5, 0.5) for y in (-0.5, 0.5)
+    ]
+    high = n // 2 - 0.3
+    responses["centre"][-1], twists["v"][-1] = (-1, 0.1, high), (1, 0.1, -0.3)
+    contacts.append(contact(n + 1, n // 2, (-0.5, 0.1, high), (-1, 0, 0), e, mu))
+    return np.concatenate(contacts), responses, twists
+
+
+def mirrored(contacts, responses, twists, axis):
+    """The scene seen in a mirror across one axis."""
+    contacts, responses, twists = contacts.copy(), responses.copy(), twists.copy()
+    for part in (contacts["point"], contacts["normal"], responses["centre"], twists["v"]):
+        part[:, axis] *= -1
+    spin = -np.ones(3)
+    spin[axis] = 1
+    twists["w"] *= spin
+    mixed = [k for k, pair in enumerate(((0, 1), (0, 2), (1, 2))) if axis in pair]
+    for tensor in (responses["wt"], responses["wr"]):
+        tensor[:, [3 + k for k in mixed]] *= -1
+    return contacts, responses, twists
 
 
 def plate(m, e, mu):
