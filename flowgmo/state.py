@@ -50,6 +50,7 @@ class State:
     asleep: np.ndarray
     quiet: np.ndarray
     general: bool  # the closed forms of balls no longer do: the contact engine has taken over (collision/stage.py)
+    busy: bool  # impacts are too many to be resolved one by one (collision/crowd.py)
     books: np.ndarray
     fluid: None = None
 
@@ -88,6 +89,7 @@ def initial_state(model: Model) -> State:
         asleep=np.zeros(n, dtype=np.int64),
         quiet=np.zeros(n, dtype=np.int64),
         general=False,
+        busy=False,
         books=np.zeros(len(BOOKS)),
     )
     return state

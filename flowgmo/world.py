@@ -45,7 +45,7 @@ class Room:
         self.impacts: list[np.ndarray] = []
         self.stops: list[tuple[int, np.ndarray]] = []  # stops that colliding bodies met: body, row of forced.note_hit
 
-        self.held: tuple[np.ndarray, ...] | None = None  # contacts that stay, if the contact engine ran
+        self.held: tuple | None = None  # contacts that stay, sleep, busy, if the contact engine ran
 
     def store(self, state: State) -> None:
         """Make this the state."""
@@ -53,7 +53,7 @@ class Room:
             values[...] = self.motion[name]
         state.books[:] = self.books
         if self.held is not None:
-            state.held_parts, state.held_values, state.asleep, state.quiet = self.held
+            state.held_parts, state.held_values, state.asleep, state.quiet, state.busy = self.held
             state.general = True
 
 

@@ -7,10 +7,7 @@
       4  find when something touches anew           watch.py
     event    the earliest of these: bring the bodies that are joined in it there, and do 1 - 4 for them alone
 
-Crowds. A heap of spheres that still bounce meets hundreds of times a step, and each event concerns all that is joined.
-When a step's events have had BUSY contacts to do with, the leg ends, and the rest of the step goes on in short legs:
-what would overlap by no more than SHALLOW until the leg's end waits for it and is resolved with all the rest; others
-are met at their time as ever. Nothing passes, nothing gains energy; what is lost is the order within a short leg.
+Steps with too many events for that go on in short legs: crowd.py.
 
 What is not concerned by an event is not moved and not looked at again. The age of a contact decides what it is: a new
 one that approaches is an impact, one that was there before is a constraint.
@@ -20,8 +17,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena, lengths
+from flowgmo.collision.arena import Arena
 from flowgmo.collision.correct import Corrector
+from flowgmo.collision.crowd import SHALLOW, Crowd
 from flowgmo.collision.gather import mark_joined, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.hold import Holder
@@ -38,9 +36,6 @@ STALLED = 50  # events at one time after which impacts with e < 1 are plastic
 CRUSHED = 200  # events at one time after which all are: a driven body leaves an elastic one ever less room
 LEFT = 400  # events at one time after which the bodies are left alone until the next leg
 REBOUND, INELASTIC, RIGID = 0.0, 1.0, np.inf  # restitution below which impacts are plastic: none, not elastic, all
-BUSY = 3000  # contacts of the bodies joined in an event, summed over a step's events: 0.1 s of a user's time
-SHALLOW = 0.02  # of the smaller reach: an overlap at the end of a busy leg that is taken away in the next
-MOST_LEGS = 10  # of a busy step: what is too fast for them is still met at its time
 
 
 class Engine:
@@ -54,8 +49,8 @@ class Engine:
         self.corrector = Corrector(arena)
         self.sleep = Sleep(arena)
         self.held = no_contacts()
-        self.later = 0  # meetings in busy legs that the next leg resolves
-        self.work = 0  # contacts that the events of this step had to do with
+        self.crowd = Crowd(arena)
+        self.busy = False  # State.busy
         self.left = 0  # events after which bodies were left alone until the next leg
 
     def notices(self) -> list[str]:
@@ -76,10 +71,10 @@ class Engine:
             found.append(f"{striker.lost} clusters of impacts had no joint solution and were resolved pair by pair")
         if self.left:
             found.append(f"{self.left} times bodies hit each other without end in no time: the rest was left for later")
-        if self.later:
+        if self.crowd.later:
             found.append(
-                f"{self.later} meetings of bodies in crowded steps were left to the end of a short part of the step, "
-                f"at overlaps of no more than {SHALLOW:g} of a body; a smaller DELT finds their times"
+                f"{self.crowd.later} meetings of bodies in crowded steps were left to the end of a short part of the "
+                f"step, at overlaps of no more than {SHALLOW:g} of a body; a smaller DELT finds their times"
             )
         if corrector.deepest > 0.0:
             found.append(
@@ -93,11 +88,12 @@ class Engine:
         self.arena.load(room.motion, t0)
         self.sleep.begin()
         self.room, self.books, self.step, self.row = room, np.zeros(4), t1 - t0, 0
-        self.work = 0
+        self.crowd.begin(self.busy, self.step)
         self.holder.leg = self.step
         now = t0
         while now < t1:
             now = self._leg(now, t1)
+        self.busy = self.crowd.stays()
         self._rows_until(np.inf)
         movers = self.arena.movers
         room.motion[movers] = self.arena.motion[movers]
@@ -111,11 +107,11 @@ class Engine:
             contacts = self.corrector.correct(contacts, self.books)
         contacts = self._strike(contacts, now, REBOUND)
         longest = self.holder.longest_legs(contacts).min(initial=np.inf)
-        longest = min(longest, self.watch.longest(), self._shallow_leg(contacts))
+        longest = min(longest, self.watch.longest(), self.crowd.longest_leg(contacts))
         legs = max(1, int(np.ceil((t1 - now) / longest * (1.0 - 1e-9)))) if np.isfinite(longest) else 1
         end = t1 if legs == 1 else now + (t1 - now) / legs
         awake = arena.movers[self.sleep.asleep[arena.movers] == 0]
-        self.held = merge(resting, self.holder.hold(contacts, awake, now, end))
+        self.held = merge(resting, self.holder.hold(contacts, awake, now, end, self.crowd.busy))
         self.watch.start(self.held, now, end, self.sleep.awake())
         end = self._events(now, end)
         self._rows_until(end)
@@ -138,7 +134,7 @@ class Engine:
 
     def _events(self, now: float, end: float) -> float:
         """All events until the end of the leg, the earliest first. Returns its end: earlier where the step is busy."""
-        busy = self.work > BUSY
+        busy = self.crowd.busy
         events, stalls, last = 0, 0, now
         while True:
             t, met_now = self.watch.next()
@@ -146,12 +142,11 @@ class Engine:
             t, met_now, stops = (stop, met_now[:0], stops) if stop < t else (t, met_now, stops[:0])
             if t >= end:
                 return end
-            if self.work > BUSY:
+            if self.crowd.busy:
                 if not busy:
                     return t
-                if len(met_now) and self._is_shallow(met_now, end - t):
+                if self.crowd.waits(met_now, end - t):
                     self.watch.forget(met_now)
-                    self.later += len(met_now)
                     continue
             events += 1
             stalls = stalls + 1 if t - last <= AT_ONCE * (end - now) else 0
@@ -162,26 +157,6 @@ class Engine:
             crushed = stalls > CRUSHED or events > MOST_EVENTS
             plastic = RIGID if crushed else INELASTIC if stalls > STALLED else REBOUND
             self._event(met_now, stops, last, end, plastic, leave)
-
-    def _shallow_leg(self, contacts: np.ndarray) -> float:
-        """Time in which bodies in contact do not overlap by more than may be left in a busy step; else no bound."""
-        if self.work <= BUSY or not len(contacts):
-            return np.inf
-        arena = self.arena
-        which = arena.parties_of(contacts)
-        which = which[arena.movable[which] == 1]
-        speed = lengths(arena.motion["v"][which]).max()
-        leg = SHALLOW * arena.reach[which].min() / (2.0 * speed) if speed > 0.0 else np.inf
-        return max(leg, self.step / MOST_LEGS)
-
-    def _is_shallow(self, met: np.ndarray, span: float) -> bool:
-        """Whether pairs met (k, 2) that went on as they are for a span [time] would hardly overlap."""
-        arena = self.arena
-        rows, reach = arena.motion, arena.finite_reach
-        a, b = met.T
-        speed = lengths(rows["v"][a] - rows["v"][b]) + arena.gravity * span
-        speed += lengths(rows["w"][a]) * reach[a] + lengths(rows["w"][b]) * reach[b]
-        return bool((speed * span <= SHALLOW * np.minimum(arena.reach[a], arena.reach[b])).all())
 
     def _event(self, met: np.ndarray, stops: np.ndarray, t: float, end: float, plastic: float, leave: bool) -> None:
         """Pairs met (k, 2) touch at time t, or held bodies meet stops (j,) of limits.STOP.
@@ -202,9 +177,8 @@ class Engine:
         self.holder.limits.snap(stops)
         self.sleep.wake(bodies, self.held)  # now, and not before: it has not moved since the leg began
         contacts = self.watch.touching_now(self.held[mine], met)
-        self.work += len(contacts)
         contacts = self._strike(contacts, t, plastic)
-        held = self.holder.hold(contacts, bodies, t, end)
+        held = self.holder.hold(contacts, bodies, t, end, self.crowd.busy)
         self.held = merge(self.held[~mine], held)
         self.watch.renew(self.held, bodies, t, leave)
 
@@ -212,12 +186,14 @@ class Engine:
         """Resolve impacts; returns the contacts that may stay: not those that part."""
         if not len(contacts):
             return contacts
+        self.striker.busy = self.crowd.busy
         forces = contacts["impulse"].copy()
         m, span = len(contacts), self._span(contacts)
         contacts = np.concatenate([contacts, self.holder.limits.contacts(self.arena.parties_of(contacts))])
         span = np.concatenate([span, np.zeros(len(contacts) - m)])
         outcome = self.striker.strike(contacts, t, span, plastic, self.books)
         self.room.impacts.extend(outcome.records)
+        self.crowd.work += int(outcome.struck.sum())
         contacts, struck, span = contacts[:m], outcome.struck[:m], span[:m]
         fresh = struck | (contacts["fresh"] == 1)
         parts = fresh & self.striker.parts(contacts, outcome.speed[:m], span)

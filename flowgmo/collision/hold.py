@@ -31,6 +31,7 @@ from flowgmo.collision.watch import Watch
 TURN = 0.05  # rad that a held body turns in one leg: the error of its path is a part of TURN³ of its size
 FALL = 1e-3  # of a body's reach that gravity moves it in one leg
 TOLERANCE = 1e-9  # of the largest free normal speed: what remains when the forces count as found
+BUSY_TOLERANCE = 0.01  # the same in a busy step: bodies that bounce at 1 m/s need not know g h to the sixth digit
 MOST_SWEEPS = 300
 PARTING = 1e-9  # of an island's largest change of normal speed in the leg: a smaller speed is round-off of the solution
 
@@ -64,6 +65,7 @@ class Holder:
         self.limits = Limits(arena)
         self.sweeps, self.solved, self.impossible = 0, 0, 0  # for the log: sweeps of all solutions, how many, in vain
         self.leg = np.inf  # length of the step [time]
+        self.tolerance = TOLERANCE
         self.unfinished = 0  # solutions that ended at the bound on sweeps
         self.worst = 0.0  # largest residual so far, for the log
 
@@ -80,15 +82,17 @@ class Holder:
         np.divide(TURN, rate, out=legs, where=rate > 0.0)
         return np.minimum(legs, np.sqrt(2.0 * FALL * reach / arena.gravity)) if arena.gravity > 0.0 else legs
 
-    def hold(self, contacts: np.ndarray, which: np.ndarray, now: float, end: float) -> np.ndarray:
+    def hold(self, contacts: np.ndarray, which: np.ndarray, now: float, end: float, busy: bool) -> np.ndarray:
         """Set the paths of the parties `which` from now to end under the contacts (m,) that may press them.
 
+        busy: the leg is one of many in a step full of impacts, so that its forces need not be exact.
         All movable parties of the contacts are among `which`. Returns the contacts that stay, with their impulses.
         """
         arena = self.arena
         parties = arena.parties_of(contacts, *which)
         self.limits.grip(parties, self._sides(contacts))  # what may be pressed counts as pressed at first
         arena.respond(parties)
+        self.tolerance = BUSY_TOLERANCE if busy else TOLERANCE
         start = arena.twists.copy()
         free_twists(
             parties, self.limits.loose, arena.motion, arena.paths, arena.laws, arena.spare, end,
@@ -219,7 +223,7 @@ class Holder:
 
     def _solve(self, contacts: np.ndarray, bias: np.ndarray) -> None:
         """Contact impulses over the leg; self.ends become the twists with them."""
-        sweeps, residual, status = solve(contacts, bias, self.arena.responses, self.ends, TOLERANCE, MOST_SWEEPS)
+        sweeps, residual, status = solve(contacts, bias, self.arena.responses, self.ends, self.tolerance, MOST_SWEEPS)
         self.sweeps += sweeps
         self.solved += 1
         self.worst = max(self.worst, residual)
@@ -240,7 +244,7 @@ class Holder:
         approaches(middle, arena.responses, free, alone)
         scale = np.zeros(len(contacts))  # of each island: what moves fast in one does not change what rests in another
         np.maximum.at(scale, label, np.maximum(np.abs(after - before), np.abs(alone - before)))
-        parting = np.abs(after) > PARTING * scale[label]
+        parting = np.abs(after) > max(PARTING, self.tolerance) * scale[label]
         stays = push | ~(parting & (after > 0.0)) | (before < 0.0)  # one that dips before it opens is no new contact
         held = contacts[stays].copy()
         held["fresh"] = 0

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from flowgmo.collision.sequential import AT_REST, TURNS
 from flowgmo.collision.single import strike_exactly, strike_in_steps
 from flowgmo.collision.together import strike_in_turn, strike_together
 from flowgmo.model import ContactPlan
@@ -30,7 +31,7 @@ def choose_law(plan: ContactPlan) -> Law:
         if len(contacts) == 1:
             return single(contacts, responses, twists)
         if plan.multiple == "sequential":
-            return strike_in_turn(contacts, responses, twists)
+            return strike_in_turn(contacts, responses, twists, AT_REST, TURNS)
         return strike_together(contacts, responses, twists, plan.hertz, FRACTION)
 
     return together

@@ -31,6 +31,7 @@ class MicroEngine:
         self.striker = Striker(arena, law)
         self.sleep = Sleep(arena)  # its bodies never sleep: only for the State
         self.held = no_contacts()
+        self.busy = False  # always: only for the State
         self.ledger = Ledger(arena)
         self.deepest = 0.0
 

@@ -46,6 +46,7 @@ from flowgmo.vectors import dot, norm, put, scale, sub, triple
 WORK = 3e7  # multiplications that factors may cost in one solution, 20 ms
 LEAST_STEPS = 10  # else no factors at all: walls and pyramids of decks/stack may take 30 and more
 COARSE = 1e-4  # of the free normal speed: what a large group is solved to in its first step
+ENOUGH = 60  # sweeps of such a group: the next step goes on from there
 NEARER = 0.1  # of the guess's residual: what it is solved to later, until the tolerance is met
 NEWTON_MOST = 300  # steps; random piles of 12 bodies that are solved at all take up to 200
 
@@ -114,7 +115,7 @@ def solve_group(links, slots, group, contacts, unit, tolerance, most):
     forced = 0.0
     factors = 2.0 * n * reach * reach  # multiplications
     steps = min(most, NEWTON_MOST, np.int64(WORK / factors))
-    if group.last - group.first > 1 and steps >= LEAST_STEPS:
+    if group.last - group.first > 1 and steps >= LEAST_STEPS and tolerance < COARSE:
         for _ in range(2):
             more, residual, status = newton(links, slots, group, tolerance, steps)
             count += more
@@ -131,6 +132,7 @@ def solve_group(links, slots, group, contacts, unit, tolerance, most):
             restart(links, slots, group, contacts, unit)
     if steps < most:
         tolerance = max(tolerance, min(COARSE, NEARER * first))
+        most = min(most, ENOUGH)
     more, residual, status = sweep_until(links, slots, group, tolerance, most)
     return count + more, residual, status
 

@@ -24,10 +24,10 @@ TURNS = 200  # impacts a contact before the rest is made plastic: at e = 0.9 a b
 
 
 @inner
-def _fastest(springs):
-    """Number of the contact that approaches fastest, -1: none does. Contacts that cannot move are passed over."""
+def _fastest(springs, rest):
+    """Number of the contact that approaches fastest, -1: none by more than rest [v_ref]. What cannot move is left."""
     first = -1
-    speed = AT_REST
+    speed = rest
     for i in range(springs.shape[0]):
         s = springs[i]
         if s.active >= 0 and -s.v[2] > speed:
@@ -49,11 +49,13 @@ def _hit(springs, links, contact, j):
 
 
 @inner
-def resolve(contacts, responses, twists, eta, fraction):
-    """Resolve contacts (m,) of CONTACT that touch, one after another; eta, fraction: not used (clusters.resolve).
+def resolve(contacts, responses, twists, rest, turns):
+    """Resolve contacts (m,) of CONTACT that touch, one after another.
 
-    responses, twists (n,): of the parties. Writes impulse, regime (of the last impact), loss of the contacts and the
-    twists after. Returns status and the largest approach speed that is left [length/time].
+    responses, twists (n,): of the parties; rest [-]: approach that counts as none, of the largest speed there is;
+    turns: impacts a contact, on average, after which the rest is made plastic. Writes impulse, regime (of the last
+    impact), loss of the contacts and the twists after. Returns status and the largest approach speed that is left
+    [length/time].
     """
     m = contacts.shape[0]
     springs, links, v_ref, k_ref = couple(contacts, responses, twists, any_rough(contacts))
@@ -61,15 +63,15 @@ def resolve(contacts, responses, twists, eta, fraction):
     for i in range(m):
         contacts[i].regime = SLIP
     if k_ref > 0.0:
-        for _ in range(TURNS * m):
-            j = _fastest(springs)
+        for _ in range(turns * m):
+            j = _fastest(springs, rest)
             if j < 0:
                 break
             contacts[j].regime = _hit(springs, links, contacts[j], j)
-        if _fastest(springs) >= 0:
+        if _fastest(springs, rest) >= 0:
             status = UNFINISHED
-            settle(springs, links, sweeps_for(m), 0.0, CLOSE)
-    if largest_approach(springs) > IN_VAIN:
+            settle(springs, links, sweeps_for(m), 0.0, max(CLOSE, 0.1 * rest))
+    if rest < IN_VAIN < largest_approach(springs):  # who counts more as rest does not ask whether there is a solution
         status = IMPOSSIBLE
         if k_ref > 0.0:
             least_violation(springs, links)

@@ -69,8 +69,9 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     engine = collisions.engine
     engine.held = _held_of(state)
     engine.sleep.load(state.asleep, state.quiet)
+    engine.busy = state.busy
     engine.move(state.t, t1, room)
-    room.held = (*_parts_of(engine.held), *engine.sleep.store())
+    room.held = (*_parts_of(engine.held), *engine.sleep.store(), engine.busy)
 
 
 def _held_of(state: State) -> np.ndarray:

@@ -18,12 +18,15 @@ from flowgmo.collision.arena import Arena, cross, lengths, records_of
 from flowgmo.collision.gather import KEPT, approaches, islands
 from flowgmo.collision.limits import mark_limits
 from flowgmo.collision.respond import set_all
+from flowgmo.collision.sequential import AT_REST, TURNS
 from flowgmo.collision.together import strike_in_turn
 from flowgmo.errors import StepFailed
 from flowgmo.records import REST
 from flowgmo.state import FROM_PRESCRIBED, LOST_IN_IMPACTS
 
 SLOW = 1e-10  # normal speed that counts as none, of the speeds at hand and sqrt(g R): round-off of earlier solutions
+BUSY_REST = 1e-3  # of the largest speed: approach that a busy step leaves to the contact forces
+BUSY_TURNS = 3  # impacts a contact in a busy step before the rest is plastic
 SETTLED = 1e-8  # part of an impact's speed that is rest after it
 
 
@@ -46,6 +49,9 @@ class Striker:
 
     def __init__(self, arena: Arena, law: object) -> None:
         self.arena, self.law = arena, law
+        self.busy = (
+            False  # in steps full of impacts clusters are resolved pair after pair: seven times faster for balls
+        )
         self.lost = 0  # clusters that were resolved pair after pair for want of a solution
 
     def strike(
@@ -128,10 +134,13 @@ class Striker:
     def _resolve(self, group: np.ndarray, t: float, books: np.ndarray) -> None:
         arena = self.arena
         before, contacts = arena.twists.copy(), group.copy()
-        self.law(group, arena.responses, arena.twists)
+        if self.busy and len(group) > 1:
+            strike_in_turn(group, arena.responses, arena.twists, BUSY_REST, BUSY_TURNS)
+        else:
+            self.law(group, arena.responses, arena.twists)
         if not _is_finite(group, arena.twists):  # a cluster that its law cannot resolve: pair after pair
             group[:], arena.twists[:] = contacts, before
-            strike_in_turn(group, arena.responses, arena.twists)
+            strike_in_turn(group, arena.responses, arena.twists, AT_REST, TURNS)
             self.lost += 1
             if not _is_finite(group, arena.twists):
                 raise StepFailed(f"{len(group)} contacts that touch at t = {t:.6g} could not be resolved together")

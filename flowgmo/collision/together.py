@@ -14,6 +14,6 @@ __all__ = ["strike_in_turn", "strike_together"]
 
 
 @kernel
-def strike_in_turn(contacts, responses, twists):
+def strike_in_turn(contacts, responses, twists, rest, turns):
     """Resolve contacts (m,) that touch, pair after pair as in the report (sequential.py). Returns status, residual."""
-    return sequential.resolve(contacts, responses, twists, 0.0, 0.0)
+    return sequential.resolve(contacts, responses, twists, rest, turns)

@@ -11,6 +11,7 @@ from tables import best_of, row, title
 
 import cluster_scenes as scenes  # isort: skip (tables adds its folder)
 from flowgmo.collision.laws import FRACTION  # isort: skip
+from flowgmo.collision.sequential import AT_REST, TURNS  # isort: skip
 from flowgmo.collision.together import strike_in_turn, strike_together  # isort: skip
 from flowgmo.kernel import kernel  # isort: skip
 
@@ -33,7 +34,7 @@ def seconds(scene, fraction, call=strike_together):
 
 
 def in_turn(contacts, responses, twists, eta, fraction):
-    strike_in_turn(contacts, responses, twists)
+    strike_in_turn(contacts, responses, twists, AT_REST, TURNS)
 
 
 def lost(scene, call):

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 
 from flowgmo.collision.clusters import DONE, IMPOSSIBLE
-from flowgmo.collision.sequential import resolve
+from flowgmo.collision.sequential import AT_REST, TURNS, resolve
 from flowgmo.kernel import kernel
 
 
 @kernel
 def run(contacts, responses, twists):
-    return resolve(contacts, responses, twists, 1.5, 0.03)
+    return resolve(contacts, responses, twists, AT_REST, TURNS)
 
 
 @pytest.mark.parametrize("e", [1.0, 0.5, 0.0])
