@@ -43,9 +43,11 @@ class Collisions:
 
 def _make_engine(model: Model, arrays: np.ndarray, laws: Laws | None):  # noqa: ANN202 (Engine or MicroEngine)
     """The engine with the search, the laws and the treatment of rest that the deck chose."""
+    from flowgmo.collision.ahead import compile_ahead
     from flowgmo.collision.arena import Arena
     from flowgmo.collision.laws import choose_law
 
+    compile_ahead()
     arena, law = Arena(model, arrays, laws), choose_law(model.contacts)
     if model.contacts.search == "grid":
         from flowgmo.collision.grid_watch import GridWatch as Search
