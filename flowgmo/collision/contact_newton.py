@@ -41,10 +41,13 @@ SOFT = 1.0  # first ρ k: as stiff as the contact itself
 LEAST = 0.01  # ρ k below which steps lead nowhere
 FASTER = 10.0  # change of ρ
 EASY = 3  # Newton steps
+AGAIN = 5  # easy steps after which a larger ρ is tried again
 CONVEX_MOST = 8  # convex steps in a row
 STAYS = 3  # steps that find the same violation
 NEARLY = 1000.0  # tolerances that a contradiction of the data may leave
 SLOW = 0.9  # of the residual before: what a mode with λ/k = 1e-7 leaves at ρ k = STIFF
+CLOSE = 1e-2  # relative residual below which a step that fails is tried with a smaller ρ, not with convex ones
+PATIENCE = 40  # Newton steps without a smaller residual after which one of NEARLY tolerances is the answer
 CONVERGED, TOO_MANY, IMPOSSIBLE = 0, 1, 2
 
 
@@ -114,38 +117,62 @@ def newton(links, slots, group, tolerance, most):
     room = Matrix(a, np.empty(n, np.int64), np.empty(n), np.empty((3, 3)), np.empty((3, 6)), np.zeros(1), reach)
     for c in range(group.first, group.last):
         put(links[c].base, triple(links[c].p))
+        put(links[c].best, triple(links[c].p))
     relative, worst = natural_residual(links, slots, group, tolerance)
     stiffest = max(min(STIFF, tolerance / ROUND_OFF), SOFT)  # ρ u: its round-off is to stay below the tolerance
     stiff = max(min(SOFT / relative, stiffest), SOFT) if relative > 0.0 else SOFT
+    ceiling = stiffest
+    easy = np.int64(0)  # steps at a ρ that others failed above
+    least = relative
     count = np.int64(0)
+    since = np.int64(0)  # Newton steps since the least residual
     stayed = np.int64(0)
+    stalls = np.int64(0)
     convex = np.int64(0)  # steps of this kind to come
     failed = np.int64(0)
-    stalls = np.int64(0)
     while count < most and relative > tolerance and stayed < STAYS and stalls < STAYS:
+        if since > PATIENCE and least <= NEARLY * tolerance:
+            break
         if convex > 0:
             lag(links, slots, group)
         steps, done = proximal_step(links, slots, group, room, stiff, convex > 0)
         count += steps
+        since += steps
         if not done:
             retreat(links, slots, group)
             stiff = max(stiff / FASTER, LEAST)
-            if convex == 0:
+            if relative <= CLOSE:
+                stiffest = max(stiff, SOFT)
+                easy = 0
+            elif convex == 0:
                 failed += 1
                 convex = min(failed, CONVEX_MOST) + 1
         else:
             last = worst
             grew = rebase(links, slots, group)
             relative, worst = natural_residual(links, slots, group, tolerance)
+            if relative < least:
+                since = 0
+                least = relative
+                for c in range(group.first, group.last):
+                    put(links[c].best, triple(links[c].p))
             # a violation that stays while ρ times it is added to impulses; a mode that yields to less than a
             # hundred-thousandth of ρ, as at ratios of masses beyond 1e8, is taken for one
-            same = stiff == stiffest and abs(worst - last) <= 1e-5 * last and grew > 0.1 * stiff * worst
+            same = stiff == ceiling and abs(worst - last) <= 1e-5 * last and grew > 0.1 * stiff * worst
             stayed = stayed + 1 if same else 0
             slow = stiff == stiffest and convex == 0 and worst > SLOW * last
             stalls = stalls + 1 if slow and relative <= NEARLY * tolerance else 0
             if steps <= EASY:
+                easy += 1
+                if easy > AGAIN:
+                    easy = 0
+                    stiffest = min(FASTER * stiffest, ceiling)
                 stiff = min(FASTER * stiff, stiffest)
         convex = max(convex - 1, 0)
-    if relative <= tolerance or stalls >= STAYS:
-        return count, relative, CONVERGED
-    return count, relative, IMPOSSIBLE if stayed >= STAYS else TOO_MANY
+    if stayed >= STAYS and stalls < STAYS:
+        return count, relative, IMPOSSIBLE
+    if relative > least:
+        for c in range(group.first, group.last):
+            put(links[c].p, triple(links[c].best))
+        start(links, slots, group)
+    return count, least, CONVERGED if least <= tolerance or since > PATIENCE or stalls >= STAYS else TOO_MANY

@@ -25,7 +25,8 @@ from flowgmo.vectors import add, cross, dot, norm, put, scale, sub, triple
 
 #: One contact of a solve. contact: its row; a, b: slots of its parties, -1 immovable; kk: K xx yy zz xy xz yz; k: a
 #: third of its trace; size: the velocities that u is a difference of; p: impulse; base: that of the last proximal step;
-#: shift: μ |u_t| at it; state: OPEN, STICKS, SLIDES; matrix: the state that the last matrix was made for.
+#: best: that of the least residual so far; shift: μ |u_t| at the base; state: OPEN, STICKS, SLIDES; matrix: the state
+#: that the last matrix was made for.
 LINK = np.dtype(
     [
         ("contact", "i8"),
@@ -40,6 +41,7 @@ LINK = np.dtype(
         ("u", "f8", 3),
         ("p", "f8", 3),
         ("base", "f8", 3),
+        ("best", "f8", 3),
         ("kk", "f8", 6),
         ("ga", "f8", (3, 6)),
         ("gb", "f8", (3, 6)),

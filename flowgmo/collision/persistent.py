@@ -17,7 +17,7 @@ Method. Contacts that depend on each other form groups (links.py), each solved o
      after contact solved exactly with the others held, forwards, then backwards (Jourdan, Alart & Jean 1998)
 Factors of a matrix cost its size times its band squared. Chains and walls have a narrow band; heaps of a hundred bodies
 have not: where the factors would cost more than WORK only sweeps are made, to COARSE. Step after step they start from
-better forces, and a heap that comes to rest is solved to the tolerance all the same.
+better forces, and a heap that comes to rest is solved to the tolerance all the same. What rests may cost more, once.
 
 Source: Moreau 1988; Jean 1999; Alart & Curnier 1991; Acary & Brogliato 2008, ch. 13.
 """
@@ -43,8 +43,10 @@ from flowgmo.collision.one_contact import solve_one
 from flowgmo.kernel import inner, kernel
 from flowgmo.vectors import dot, norm, put, scale, sub, triple
 
-WORK = 3e7  # multiplications that factors may cost in one solution, 20 ms
-LEAST_STEPS = 10  # else no factors at all: walls and pyramids of decks/stack may take 30 and more
+WORK = 2e8  # multiplications that factors may cost in one solution, a tenth of a second
+CALM_WORK = 1e9  # the same for bodies that rest: their forces are found once, and are the next steps' guess
+CALM = 2.0  # free normal speeds, mostly gravity's in the step: bodies that move no faster than that rest
+LEAST_STEPS = 40  # else no factors at all; the pyramid of decks/stack takes 43, in its first step
 COARSE = 1e-4  # of the free normal speed: what a large group is solved to in its first step
 ENOUGH = 60  # sweeps of such a group: the next step goes on from there
 NEARER = 0.1  # of the guess's residual: what it is solved to later, until the tolerance is met
@@ -103,6 +105,18 @@ def restart(links, slots, group, contacts, unit):
 
 
 @inner
+def is_calm(links, group):
+    """Whether nothing in a group moves faster than what gravity gives it in the step."""
+    free = 0.0
+    size = 0.0
+    for c in range(group.first, group.last):
+        link = links[c]
+        free = max(free, abs(dot(triple(link.u0), triple(link.n))))
+        size = max(size, link.size)
+    return size <= CALM * free
+
+
+@inner
 def solve_group(links, slots, group, contacts, unit, tolerance, most):
     """Impulses and y of one group; returns sweeps and steps, relative residual, status."""
     start(links, slots, group)
@@ -114,7 +128,8 @@ def solve_group(links, slots, group, contacts, unit, tolerance, most):
     reach = 6 * group.band + 5
     forced = 0.0
     factors = 2.0 * n * reach * reach  # multiplications
-    steps = min(most, NEWTON_MOST, np.int64(WORK / factors))
+    calm = is_calm(links, group)
+    steps = min(most, NEWTON_MOST, np.int64((CALM_WORK if calm else WORK) / factors))
     if group.last - group.first > 1 and steps >= LEAST_STEPS and tolerance < COARSE:
         for _ in range(2):
             more, residual, status = newton(links, slots, group, tolerance, steps)
@@ -132,7 +147,7 @@ def solve_group(links, slots, group, contacts, unit, tolerance, most):
             restart(links, slots, group, contacts, unit)
     if steps < most:
         tolerance = max(tolerance, min(COARSE, NEARER * first))
-        most = min(most, ENOUGH)
+        most = most if calm else min(most, ENOUGH)
     more, residual, status = sweep_until(links, slots, group, tolerance, most)
     return count + more, residual, status
 
