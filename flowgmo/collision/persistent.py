@@ -45,7 +45,7 @@ from flowgmo.vectors import dot, norm, put, scale, sub, triple
 
 WORK = 2e8  # multiplications that factors may cost in one solution, a tenth of a second
 CALM_WORK = 1e9  # the same for bodies that rest: their forces are found once, and are the next steps' guess
-CALM = 2.0  # free normal speeds, mostly gravity's in the step: bodies that move no faster than that rest
+CALM = 5.0  # free normal speeds, which rest leaves to gravity: both sides' speeds are no more than that where all rests
 LEAST_STEPS = 40  # else no factors at all; the pyramid of decks/stack takes 43, in its first step
 COARSE = 1e-4  # of the free normal speed: what a large group is solved to in its first step
 ENOUGH = 60  # sweeps of such a group: the next step goes on from there

@@ -25,6 +25,7 @@ from flowgmo.records import REST
 from flowgmo.state import FROM_PRESCRIBED, LOST_IN_IMPACTS
 
 SLOW = 1e-10  # normal speed that counts as none, of the speeds at hand and sqrt(g R): round-off of earlier solutions
+MOST_TOGETHER = 600  # contacts of a cluster; more would take a second, for an answer that round-off decides
 BUSY_REST = 1e-3  # of the largest speed: approach that a busy step leaves to the contact forces
 BUSY_TURNS = 3  # impacts a contact in a busy step before the rest is plastic
 SETTLED = 1e-8  # part of an impact's speed that is rest after it
@@ -134,7 +135,7 @@ class Striker:
     def _resolve(self, group: np.ndarray, t: float, books: np.ndarray) -> None:
         arena = self.arena
         before, contacts = arena.twists.copy(), group.copy()
-        if self.busy and len(group) > 1:
+        if len(group) > (1 if self.busy else MOST_TOGETHER):
             strike_in_turn(group, arena.responses, arena.twists, BUSY_REST, BUSY_TURNS)
         else:
             self.law(group, arena.responses, arena.twists)
