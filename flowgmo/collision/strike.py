@@ -109,6 +109,7 @@ class Striker:
     def _settle(self, group: np.ndarray, speed: np.ndarray, span: np.ndarray, plastic: float) -> None:
         """Take e = 0 for fresh contacts whose bounces would all end within the span, and for those with e < plastic."""
         ends = self.returns(group, group["e"] * np.maximum(-speed, 0.0), span)
+        ends &= group["fresh"] == 1  # the floor under a block that is hit keeps its own e
         group["e"][ends | (group["e"] < plastic)] = 0.0
 
     def returns(self, contacts: np.ndarray, speed: np.ndarray, span: np.ndarray) -> np.ndarray:
