@@ -1,5 +1,7 @@
 """decks/domino: report 4.4, VALIDATION C."""
 
+import importlib.util
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,13 @@ from flowgmo.building import build_model
 from flowgmo.deck import read_deck
 
 pytestmark = pytest.mark.slow  # minutes in all; the tests of tests/physics, hard and identity run every day
+
+
+def _pushes_module(decks):
+    spec = importlib.util.spec_from_file_location("domino_pushes", decks / "domino" / "pushes.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.mark.parametrize("deck", ["plastic", "elastic"])
@@ -30,9 +39,20 @@ def test_plastic(runs):
     runs.agree("domino", "plastic", hits | {"front speed": 0.5})
 
 
-def test_elastic(runs):
-    # Bound of VALIDATION C for contacts of equal stiffness; one push scatters, see decks/domino/pushes.py.
-    runs.agree("domino", "elastic", 3.0)
+@pytest.mark.parametrize("multiple", ["simultaneous", "sequential"])
+def test_elastic(multiple, runs):
+    # VALIDATION C: 82.5 +- 3 cm/s where contacts of an instant are equally stiff or follow one another, as the mean of
+    # at least six pushes: one push scatters by 3. Measured: see the README. More than 3 would reveal a floor that
+    # answers within the impact of two blocks (91.5), or a push that is not forgotten.
+    pushes = _pushes_module(runs.measure.DECKS)
+    assert len(pushes.SPINS) >= 6
+    speeds = []
+    for spin in pushes.SPINS:
+        path = runs.folder / f"elastic_{multiple}_{spin:g}.nml"
+        path.write_text(pushes.pushed("elastic", spin, multiple), encoding="utf-8")
+        results = runs.compute(path, path.with_suffix(".out"))
+        speeds.append(runs.measure.measure(results, "domino", "elastic")["front speed"])
+    assert abs(np.mean(speeds) - 82.5) <= 3.0, speeds
 
 
 @pytest.mark.parametrize("deck", ["plastic", "elastic"])
