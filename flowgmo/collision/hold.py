@@ -6,12 +6,10 @@
 
 Normals and arms are those of the middle of the leg, found from the velocities at its start. The law is applied to
 
-    J_mid v(end) + (J_mid - J_start) v(start) + n_mid (n_mid - n_start) · J_start v(start)
+    J_mid v(end) + (J_mid - J_start) v(start)       J: velocity of a's contact point relative to b's
 
-J: velocity of a's contact point relative to b's. It is the velocity at the end with the normals and arms of the end,
-to second order: a point that was at rest on the other body at the start is so at the end, a body that turns about an
-edge does not drift off it by h² per leg, nor does one that slides on a surface that turns (the last term). What is left
-of it, h³, landing.py takes away.
+which is the velocity at the end with the normals and arms of the end, to second order: a point that was at rest on the
+other body at the start is so at the end, and a body that turns about an edge does not drift off it by h² per leg.
 
 Work of an impulse p over the leg is p · (u(start) + u(end)) / 2 with u the velocity at the contact: exact for
 velocities linear in time.
@@ -24,7 +22,6 @@ import numpy as np
 from flowgmo.collision.arena import Arena, cross, lengths
 from flowgmo.collision.gather import approaches, islands, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
-from flowgmo.collision.landing import Landing
 from flowgmo.collision.ledger import Ledger
 from flowgmo.collision.limits import FEATURE, Limits
 from flowgmo.collision.persistent import IMPOSSIBLE, TOO_MANY, solve
@@ -66,7 +63,6 @@ class Holder:
         self.hits = np.zeros((0, 7))
         self.ledger = Ledger(arena)
         self.limits = Limits(arena)
-        self.landing = Landing(arena, watch)
         self.sweeps, self.solved, self.impossible = 0, 0, 0  # for the log: sweeps of all solutions, how many, in vain
         self.leg = np.inf  # length of the step [time]
         self.tolerance = TOLERANCE
@@ -115,16 +111,8 @@ class Holder:
         contacts, middle, label = contacts[:m], middle[:m], label[:m]
         pressed = self._sides(contacts[lengths(contacts["impulse"]) > 0.0])
         self.limits.grip(parties, pressed)
-        self.landing.forget(parties)
         set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
-        moves = self._moves(contacts, label, end - now)
-        due = np.zeros((len(contacts), 2))
-        if moves.any() and not busy:
-            due[moves] = self.landing.land(
-                contacts[moves], middle[moves], label[moves], start, self.ends, pressed, now, end
-            )  # fmt: skip
-        arena.paths["excess"][parties] = 0.0
-        return self._staying(contacts, middle, label, start, free, due, now, end)
+        return self._staying(contacts, middle, label, start, free, now, end)
 
     def _sides(self, contacts: np.ndarray) -> np.ndarray:
         """(n+6,) 1 for the movable parties of contacts (m,)."""
@@ -219,8 +207,7 @@ class Holder:
         middle[np.flatnonzero(moves)[found]] = there
         middle["impulse"], middle["e"], middle["mu"] = contacts["impulse"], contacts["e"], contacts["mu"]
         self.limits.place(middle)
-        turned = np.einsum("ki,ki->k", middle["normal"] - contacts["normal"], before)
-        bias += relative(middle, arena, start) - before + turned[:, None] * middle["normal"]
+        bias += relative(middle, arena, start) - before
         return middle, bias
 
     def _moves(self, contacts: np.ndarray, label: np.ndarray, span: float) -> np.ndarray:
@@ -245,12 +232,9 @@ class Holder:
 
     def _staying(
         self, contacts: np.ndarray, middle: np.ndarray, label: np.ndarray, start: np.ndarray, free: np.ndarray,
-        due: np.ndarray, now: float, end: float,
+        now: float, end: float,
     ) -> np.ndarray:  # fmt: skip
-        """The contacts that push, or touch without parting; their work goes to the ledger.
-
-        free: ends without them; due (m, 2): power that they take by right.
-        """
+        """The contacts that push, or touch without parting; their work goes to the ledger. free: ends without them."""
         arena = self.arena
         before, after = np.empty(len(contacts)), np.empty(len(contacts))
         approaches(middle, arena.responses, start, before)
@@ -266,5 +250,5 @@ class Holder:
         held["fresh"] = 0
         held["age"] += end - now
         held["impulse"] /= end - now
-        self.ledger.open(middle[stays], due[stays], start, self.ends, now, end)
+        self.ledger.open(middle[stays], start, self.ends, now, end)
         return held

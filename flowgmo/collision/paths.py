@@ -8,17 +8,9 @@
 A row of POSE stands at the start of its path, PATH.t.
 
 Constant forces with v linear in time are the trapezoidal rule: if a contact does not approach at the start and at the
-end, it does not in between (as far as its normal keeps its direction), and a body that slides straight is exact. Where
-contacts turn, the end of such a path is beside the surfaces by a part of third order. landing.py finds the small
-displacement d (of the centre; likewise a rotation) that brings it there, and the path gets it as
-
-    d (3 s² - 2 s³),   s = t/h:     acceleration + 6 d/h²,   its rate of change `jerk` = -12 d/h³
-
-which has no velocity at either end: nothing of it enters kinetic energy, and there is no jump in a place. The turn
-½ `sway` t² + `twirl` t³/6, likewise, is made after that of constant acceleration, so that it ends where it should.
-
-What the contacts take from a body on a HELD path is what it loses and neither gravity, loads nor drives explain: the
-books close at every time. What loads and drives give is Simpson's sum of their power: exact for constant forces.
+end, it does not in between (as far as its normal keeps its direction), a body that slides straight is exact, and the
+work of a contact impulse is its product with the mean of the velocities before and after. What control loads and drives
+give on a HELD path is Simpson's sum of their power: exact for constant forces, of third order else, like the path.
 """
 
 from __future__ import annotations
@@ -31,43 +23,12 @@ from flowgmo.bodies.equations import accelerations, hinge_acceleration
 from flowgmo.bodies.motion import fly
 from flowgmo.bodies.stops import first_crossing
 from flowgmo.kernel import inner, kernel
-from flowgmo.vectors import (
-    add,
-    along,
-    cross,
-    dot,
-    norm,
-    put,
-    put4,
-    quad,
-    rotate,
-    scale,
-    sub,
-    times,
-    triple,
-    turned,
-    turned_linearly,
-    unrotate,
-)
+from flowgmo.vectors import add, along, cross, dot, norm, put, put4, quad, rotate, triple, turned_linearly, unrotate
 
 FREE, HELD, ASLEEP = 0, 1, 2
-LOST_IN_FRICTION, FROM_PRESCRIBED, FROM_LOADS = 1, 2, 3  # places in State.books
-#: One body's path: its start t [time], mode, acceleration of B, angular acceleration; force: mean of the contacts;
-#: jerk, sway, twirl: the bend (module); excess [energy]: won so far beyond what contacts take by right (landing.py).
-PATH = np.dtype(
-    [
-        ("t", "f8"),
-        ("mode", "i8"),
-        ("acc", "f8", 3),
-        ("alp", "f8", 3),
-        ("force", "f8", 3),
-        ("jerk", "f8", 3),
-        ("sway", "f8", 3),
-        ("twirl", "f8", 3),
-        ("excess", "f8"),
-    ],
-    align=True,
-)
+FROM_PRESCRIBED, FROM_LOADS = 2, 3  # places in State.books
+#: One body's path: its start t [time], mode, acceleration of B, angular acceleration; force: mean of the contacts.
+PATH = np.dtype([("t", "f8"), ("mode", "i8"), ("acc", "f8", 3), ("alp", "f8", 3), ("force", "f8", 3)], align=True)
 #: One stop: body, component (0 1 2, 3 the angle), side (1: hi, -1: lo).
 STOP = np.dtype([("body", "i8"), ("k", "i8"), ("side", "i8")], align=True)
 
@@ -107,61 +68,29 @@ def _run_held(body, row, path, dt):
         row.angle += (rate + 0.5 * gain * dt) * dt
         place_hinged(body, row, row.angle, rate + gain * dt)
         return
-    cubic = dt * dt * dt / 6.0
-    sway, twirl = triple(path.sway), triple(path.twirl)
-    if dot(twirl, twirl) > 0.0:
-        q = turned_linearly(quad(row.q), w, sub(alp, sway), dt)
-        put4(row.q, turned(q, along(scale(0.5 * dt * dt, sway), cubic, twirl)))
-    else:
-        put4(row.q, turned_linearly(quad(row.q), w, alp, dt))
-    w = along(along(w, dt, alp), 0.5 * dt * dt, twirl)
+    put4(row.q, turned_linearly(quad(row.q), w, alp, dt))
+    w = along(w, dt, alp)
     put(row.w, w)
     if body.hinge == 2:
         arm = rotate(quad(row.q), body.arm)
         put(row.p, add(body.point, arm))
         put(row.v, cross(w, arm))
         return
-    v, acc, jerk = triple(row.v), triple(path.acc), triple(path.jerk)
-    put(row.p, along(along(along(triple(row.p), dt, v), 0.5 * dt * dt, acc), cubic, jerk))
-    put(row.v, along(along(v, dt, acc), 0.5 * dt * dt, jerk))
+    v, acc = triple(row.v), triple(path.acc)
+    put(row.p, along(along(triple(row.p), dt, v), 0.5 * dt * dt, acc))
+    put(row.v, along(v, dt, acc))
 
 
 @inner
-def run_and_book(body, row, path, laws, books, t, hits):
-    """run_path, and books (4,): what the loads and drives of a HELD path give, and what its contacts take (module)."""
-    if path.mode != HELD or t <= path.t:
-        return run_path(body, row, path, laws, books, t, hits)
-    loads, drives = _given(body, row, path, laws, t)
-    before, place = kinetic(body, row), triple(row.p)
-    found = run_path(body, row, path, laws, books, t, hits)
-    gained = kinetic(body, row) - before - body.mass * dot(body.gravity, sub(triple(row.p), place))
-    books[FROM_LOADS] += loads
-    books[FROM_PRESCRIBED] += drives
-    books[LOST_IN_FRICTION] += loads + drives - gained
-    return found
-
-
-@inner
-def kinetic(body, row):
-    """Kinetic energy of a body: ½ m v² + ½ w·I w, ½ J θ'² about a fixed axis."""
-    if body.hinge == 1:
-        return 0.5 * body.hinge_moment * dot(row.w, row.w)
-    w = unrotate(quad(row.q), triple(row.w))
-    return 0.5 * (body.mass * dot(row.v, row.v) + dot(w, times(body.inertia, w)))
-
-
-@inner
-def _given(body, row, path, laws, t):
-    """Work of control loads and of drives on a HELD path from its start, where the row stands, to time t: Simpson."""
+def book_loads(body, row, path, laws, books, t):
+    """Add to books (4,) what control loads and drives give a body on its HELD path until time t; row: its start."""
     dt = t - path.t
-    loads, drives = 0.0, 0.0
-    if laws is not None and (body.motion == FORCED or body.motion == HINGED):
+    if laws is not None and path.mode == HELD and dt > 0.0 and (body.motion == FORCED or body.motion == HINGED):
         for k in range(3):  # Simpson's weights 1 4 1
             weight = dt * (4.0 if k == 1 else 1.0) / 6.0
-            load, drive = _powers(body, row, path, laws, laws.hinged, laws.forced, 0.5 * k * dt)
-            loads += weight * load
-            drives += weight * drive
-    return loads, drives
+            loads, drives = _powers(body, row, path, laws, laws.hinged, laws.forced, 0.5 * k * dt)
+            books[FROM_LOADS] += weight * loads
+            books[FROM_PRESCRIBED] += weight * drives
 
 
 @inner
@@ -201,18 +130,13 @@ def bring(which, A, M, P, laws, books, t, hits, hit_body):
     found = np.int64(0)
     for k in range(which.size):
         b = which[k]
-        lost = books[LOST_IN_FRICTION]
-        n = run_and_book(A[b], M[b], P[b], laws, books, t, hits[found:])
-        P[b].excess += lost - books[LOST_IN_FRICTION]
+        book_loads(A[b], M[b], P[b], laws, books, t)
+        n = run_path(A[b], M[b], P[b], laws, books, t, hits[found:])
         if n < 0:
             return found, b
         for j in range(found, min(found + n, hits.shape[0])):
             hit_body[j] = b
         found = min(found + n, hits.shape[0])
-        if P[b].mode == HELD and t > P[b].t:
-            put(P[b].acc, along(triple(P[b].acc), t - P[b].t, triple(P[b].jerk)))
-            for rate in (P[b].alp, P[b].sway):
-                put(rate, along(triple(rate), t - P[b].t, triple(P[b].twirl)))
         P[b].t = max(t, P[b].t)
     return found, np.int64(-1)
 
@@ -223,7 +147,8 @@ def poses_at(which, A, M, P, laws, t, out, books, hits):
     for k in range(which.size):
         b = which[k]
         copy_pose(out[b], M[b])
-        run_and_book(A[b], out[b], P[b], laws, books, t, hits)
+        book_loads(A[b], M[b], P[b], laws, books, t)
+        run_path(A[b], out[b], P[b], laws, books, t, hits)
 
 
 @inner
@@ -236,12 +161,12 @@ def motion_bounds(body, row, path, bound, span):
         return 0.0, 0.0, 0.0
     rate = norm(triple(row.w))
     if path.mode == HELD:
-        alpha = norm(triple(path.alp)) + norm(triple(path.twirl)) * span
+        alpha = norm(triple(path.alp))
         rate += alpha * span
         lever = 0.0
         if body.hinge > 0:
             lever = norm(triple(body.arm))
-        return rate, alpha, norm(triple(path.acc)) + norm(triple(path.jerk)) * span + lever * (alpha + rate * rate)
+        return rate, alpha, norm(triple(path.acc)) + lever * (alpha + rate * rate)
     rate = bound.spread * rate + bound.turn_gain * span
     alpha = bound.turn_gain + bound.unevenness * rate * rate
     return rate, alpha, bound.gain + bound.lever * (alpha + rate * rate)
