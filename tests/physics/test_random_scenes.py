@@ -113,14 +113,15 @@ def test_under_gravity_nothing_overlaps(seed):
 
 @pytest.mark.parametrize("seed", [1, 3])
 def test_a_pile_settles(seed):
-    """Rough balls that rest on each other, with the contact engine: 60 steps of .1 s.
+    """Rough balls that rest on each other, with the contact engine: 80 steps of .1 s.
 
     Overlaps: 6e-5 of the smaller radius (the engine keeps contacts within 1e-4 of their size). Books: 2e-5 of the
-    energy of a fall through the box. What is left is rolling, .14 m/s, and spin about the normals, which nothing stops.
+    energy of a fall through the box. What is left is rolling, .2 m/s, and spin about the normals, which nothing stops; with seed 3
+    the last ball falls from another at 6 s.
     """
     rng = np.random.default_rng(200 + seed)
     s, radii = packing(rng, 12, rough=True, g=(0, 0, -9.81), walls=True, least=0.1)
-    for k in range(1, 61):
+    for k in range(1, 81):
         s.to(0.1 * k)
         assert overlap(s, radii) < 1e-4
     assert s.state.general and np.isfinite(s.q).all()
