@@ -116,8 +116,8 @@ def test_a_pile_settles(seed):
     """Rough balls that rest on each other, with the contact engine: 80 steps of .1 s.
 
     Overlaps: 6e-5 of the smaller radius (the engine keeps contacts within 1e-4 of their size). Books: 2e-5 of the
-    energy of a fall through the box. What is left is rolling, .2 m/s, and spin about the normals, which nothing stops; with seed 3
-    the last ball falls from another at 6 s.
+    energy of a fall through the box. What is left is rolling, .2 m/s, and spin about the normals, which nothing
+    stops; with seed 3 the last ball falls from another at 6 s.
     """
     rng = np.random.default_rng(200 + seed)
     s, radii = packing(rng, 12, rough=True, g=(0, 0, -9.81), walls=True, least=0.1)
