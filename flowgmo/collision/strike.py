@@ -3,6 +3,7 @@
     islands of contacts that are joined through movable bodies, each with at least one fresh contact that approaches
     one contact        the law of a single pair      impact='exact' or 'euler'
     several            the law of clusters           multiple='simultaneous' or 'sequential'
+                       pair after pair               more than MOST_TOGETHER, or a busy step (crowd.py)
 
 End of a bounce series: a fresh contact that will rebound with e v and is pulled back with the acceleration a would
 bounce on for 2 e v / (a (1 - e)). Where that ends within the step the impact is plastic: the contact is at rest then.
