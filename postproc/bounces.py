@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from postproc.impacts import hits
 from postproc.results import Results
 
 UPRIGHT = 0.9  # cosine; contacts steeper than this are not a floor
@@ -51,9 +52,9 @@ def rebounds(results: Results, name: str) -> list[Rebound]:
     axis, up = vertical_axis(results)
     t = results.t
     z, v = (up * results.curve(f"bodies/{name}/{q}").y[:, axis] for q in ("position", "velocity"))
-    single = results.impacts["count"] <= 1
-    times = results.impacts["time"][single]
-    ends = np.append(results.impacts["time"], t[-1])
+    all_hits = hits(results)  # a box that lands flat bounces once, not four times
+    times = np.unique(all_hits.time[all_hits.count <= 1])
+    ends = np.append(all_hits.time, t[-1])
     found = []
     for start in times:
         stop = ends[ends > start].min(initial=t[-1])

@@ -129,8 +129,8 @@ def _pixels(text: str) -> tuple[int, int]:
 def report(results: Path, output: Path | None) -> None:
     """Draw the whole run in one figure.
 
-    Pictures at a few times, the motion of up to four bodies (or how they turn), energy or what a drive must push, and
-    the first impacts.
+    Pictures at a few times, the motion of up to six bodies, of four out of a crowd (or how they turn), energy or what a
+    drive must push, and the first impacts.
     """
     from postproc.results import Results
 

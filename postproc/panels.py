@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from postproc.bounces import vertical_axis
+from postproc.bounces import bouncing_body, vertical_axis
+from postproc.impacts import hits
 from postproc.look import body_colours
-from postproc.palette import COLOURS
+from postproc.palette import COLOURS, INK
 from postproc.results import Curve, Results
+from postproc.steps import stepped
 from postproc.turning import angle_turned, fixed_axis, turns
 
-FIRST = ("energy/kinetic", "energy/potential")
-SIDEWAYS = 0.05  # bodies that rise less than this part of their largest travel are shown along that travel instead
+#: Books of energy -> what the legend says, colour (the same in every report), sign in the sum that stays the same.
+BOOKS = {
+    "kinetic": ("kinetic", COLOURS[0], 1),
+    "potential": ("potential", COLOURS[1], 1),
+    "impacts": ("lost in impacts", COLOURS[3], 1),
+    "dissipated": ("lost in friction", COLOURS[2], 1),
+    "work_prescribed": ("work of drives", COLOURS[4], -1),
+    "work_loads": ("work of control loads", COLOURS[5], -1),
+    "work_boundaries": ("work at boundaries", COLOURS[7], -1),
+}
+SIDEWAYS = 0.25  # bodies that rise less than this part of their largest travel are shown along that travel instead
 INVISIBLE = 1e-6  # of the largest value in the panel
+THIN = 0.004  # of the same: the width of a line
 
 
 @dataclass(frozen=True)
@@ -37,6 +49,7 @@ class Panel:
     unit: str
     lines: tuple[Line, ...]
     motion: bool = True
+    note: str = ""
 
 
 def panels(results: Results, names: list[str]) -> list[Panel]:
@@ -48,9 +61,9 @@ def panels(results: Results, names: list[str]) -> list[Panel]:
 
 
 def shown_axis(results: Results, names: list[str]) -> tuple[int, float]:
-    """The direction to show: up, or where the bodies go if they hardly rise or fall."""
+    """The direction to show: up, or where the bodies go if they rise or fall much less; up of one that bounces."""
     axis, up = vertical_axis(results)
-    if not names:
+    if not names or bouncing_body(results) is not None:
         return axis, up
     travel = np.max([np.ptp(results.curve(f"bodies/{n}/position").y, axis=0) for n in names], axis=0)
     return (axis, up) if travel[axis] >= SIDEWAYS * travel.max() else (int(travel.argmax()), 1.0)
@@ -79,7 +92,18 @@ def _travel(results: Results, names: list[str]) -> list[Panel]:
             title, name = f"{quantity.capitalize()} {letter} against time", f"{quantity} {letter}"
         values = {body: curve.y[:, axis] for body, curve in curves.items()}
         shown.append(_by_body(results, title, name, curves, values))
+    shown[1] = replace(
+        shown[1], lines=tuple(_jumping(line, results, results.bodies[line.text]) for line in shown[1].lines)
+    )
     return shown
+
+
+def _jumping(line: Line, results: Results, body: int | None = None) -> Line:
+    """A curve that jumps at the impacts of a body, or at all."""
+    found = hits(results)
+    times = found.time if body is None else found.time[(found.a == body) | (found.b == body)]
+    t, y = stepped(line.t, line.y, np.unique(times))
+    return replace(line, t=t, y=y)
 
 
 def _turn(results: Results, names: list[str]) -> list[Panel]:
@@ -99,21 +123,36 @@ def _turn(results: Results, names: list[str]) -> list[Panel]:
 
 
 def _energy(results: Results) -> Panel | None:
-    """All books of energy that are not zero throughout, what moves first; None without any."""
-    names = [name for name in results.quantities if name.startswith("energy/")]
-    curves = [results.curve(name) for name in sorted(names, key=lambda name: (name not in FIRST, name))]
-    curves = _visible(curves)
-    if not curves:
+    """The books of energy that can be seen, and their sum: level where they close. None where all are zero.
+
+    kinetic + potential + lost in impacts + lost in friction - work put in = its value at the start + remainder
+    """
+    there = {name: results.curve(f"energy/{name}") for name in BOOKS if f"energy/{name}" in results.file}
+    largest = max((np.abs(curve.y).max(initial=0.0) for curve in there.values()), default=0.0)
+    if largest == 0:
         return None
-    lines = [
-        Line(_energy_name(c.name), c.t, c.y[:, 0], COLOURS[k % len(COLOURS)], c.name) for k, c in enumerate(curves)
-    ]
-    return Panel("Energy", "energy", curves[0].unit, tuple(lines), motion=False)
+    seen = {name: curve for name, curve in there.items() if np.abs(curve.y).max() > THIN * largest}
+    lines = [Line(BOOKS[name][0], c.t, c.y[:, 0], BOOKS[name][1], c.name) for name, c in seen.items()]
+    first = next(iter(seen.values()))
+    if len(lines) > 1:
+        rows = min(len(curve.t) for curve in there.values())
+        total = sum(BOOKS[name][2] * curve.y[:rows, 0] for name, curve in there.items())
+        worked = any(BOOKS[name][2] < 0 for name in seen)
+        lines.append(Line("sum less work" if worked else "sum", first.t[:rows], total, INK, "energy/sum"))
+    lines = [_jumping(line, results) for line in lines]
+    return Panel("Energy", "energy", first.unit, tuple(lines), False, _energy_note(results, lines, largest))
 
 
-def _energy_name(name: str) -> str:
-    name = name.split("/")[1].replace("_", " ")
-    return {"impacts": "lost in impacts", "dissipated": "lost in friction"}.get(name, name)
+def _energy_note(results: Results, lines: list[Line], largest: float) -> str:
+    """What the panel means, and what the books miss as part of the largest energy."""
+    texts = [line.text for line in lines]
+    note = ["potential energy counts from the start"] if "potential" in texts else []
+    if "energy/remainder" in results.file:
+        missed = np.abs(results.curve("energy/remainder").y).max(initial=0.0) / largest
+        less = " − work" if any(BOOKS[name][2] < 0 for name in BOOKS if f"energy/{name}" in results.file) else ""
+        to = f"but for {missed:.0e} of the largest" if missed else "exactly"
+        note += [f"kinetic + potential + lost{less} stays the same {to}"]
+    return "Energy: " + "; ".join(note) if note else ""
 
 
 def _residual(results: Results, names: list[str], turning: bool) -> Panel | None:

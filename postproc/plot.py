@@ -9,10 +9,11 @@ from matplotlib import pyplot as plt
 
 from postproc import style
 from postproc.errors import WrongRequest
+from postproc.look import scale_colour
+from postproc.palette import COLOURS
 from postproc.results import Curve, Results
 
-FEW_NAMES, MOST_NAMES = 10, 18  # of a legend beside a panel: in full size, at all
-FEW_POINTS = 40  # up to here each row gets a mark
+FEW_NAMES, MOST_NAMES, SOME_NAMES = 10, 18, 8  # of a legend beside a panel: in full size, at all, of more than that
 
 
 def plot(
@@ -30,10 +31,11 @@ def plot(
         len(panels), 1, figsize=(9, 1.6 + 3.2 * len(panels)), squeeze=False, sharex=True, layout="constrained"
     )
     style.headline(figure, results.title, 13)
+    looks = _looks(list(panels.values()), component)
     above = ""
     for axes, group in zip(rows[:, 0], panels.values(), strict=True):
         owners = {_owner(curve) for curve in group}
-        _panel(axes, group, owners, component)
+        _panel(axes, group, looks, component)
         if len(owners) == 1 and (owner := owners.pop()) not in ("energy", above):
             axes.set_title(style.plain(owner))
             above = owner
@@ -49,23 +51,42 @@ def _kind(curve: Curve) -> str:
     return "energy" if "energy" in curve.name else curve.name.rsplit("/", 1)[-1]
 
 
-def _panel(axes: plt.Axes, group: list[Curve], owners: set[str], component: str | None) -> None:
+def _looks(groups: list[list[Curve]], component: str | None) -> dict[str, dict]:
+    """Colour and stroke of each curve's key, the same in all panels."""
+    shared = [{_key(curve, group): _one(curve, component) for curve in group} for group in groups if len(group) > 1]
+    strokes = style.strokes(*shared)
+    keys = dict.fromkeys(key for panel in shared for key in panel)
+    n = len(keys)
+    if n > len(COLOURS):  # colours along a scale, in the order of the deck
+        return {key: {"color": scale_colour(k / (n - 1)), "zorder": 3 + k / n} for k, key in enumerate(keys)}
+    return {key: {"color": style.colour(k)} | strokes[key] for k, key in enumerate(keys)}
+
+
+def _key(curve: Curve, group: list[Curve]) -> str:
+    """What a curve stands for in all panels: its body where a panel compares bodies, else its quantity."""
+    bodies = len({_owner(c) for c in group}) > 1 and len({c.name.rsplit("/", 1)[-1] for c in group}) == 1
+    return _owner(curve) if bodies else curve.name
+
+
+def _panel(axes: plt.Axes, group: list[Curve], looks: dict[str, dict], component: str | None) -> None:
     names = {curve.name.rsplit("/", 1)[-1] for curve in group}
+    owners = {_owner(curve) for curve in group}
     lines = 0
-    kinds = style.strokes(list(group[0].y.T) if len(group) == 1 else [_one(curve, component) for curve in group])
-    for k, curve in enumerate(group):
+    alone = style.strokes(dict(enumerate(group[0].y.T)))
+    for curve in group:
         shown = [j for j, c in enumerate(curve.columns) if component is None or c in (component, "")]
         for j in shown:
             words = [_owner(curve)] if len(owners) > 1 else []
             words += [curve.name.rsplit("/", 1)[-1].replace("_", " ")] if len(names) > 1 else []
             words += [curve.columns[j]] if len(shown) > 1 else []
-            look = {"color": style.colour(j if len(group) == 1 else k), "label": style.plain(" ".join(words))}
+            look = looks[_key(curve, group)] if len(group) > 1 else {"color": style.colour(j)} | alone[j]
+            look = look | {"label": style.plain(" ".join(words))}
             if curve.name.startswith("collisions/"):
                 look |= {"ls": "", "marker": "o", "ms": 4}
             else:
                 several = len(group) > 1 and len(shown) > 1  # bodies by colours, components by strokes
-                look |= {"ls": style.LINES[j % 4]} if several else kinds[k if len(group) > 1 else j]
-                look |= {"marker": "o", "ms": 3.5} if len(curve.t) <= FEW_POINTS else {}
+                look |= {"ls": style.LINES[j % 4]} if several else {}
+                look |= style.rows_as_dots(curve.t)
             axes.plot(curve.t, curve.y[:, j], **look)
             lines += bool(words)
     what = names.pop() if len(names) == 1 else "energy"
@@ -83,13 +104,13 @@ def _one(curve: Curve, component: str | None) -> np.ndarray:
 
 
 def _legend(axes: plt.Axes) -> None:
-    """Beside the panel, as many names as fit."""
+    """Beside the panel; of many names some that lie evenly among them."""
     handles, texts = axes.get_legend_handles_labels()
-    more = len(texts) - MOST_NAMES
-    if more > 0:
-        handles, texts = handles[:MOST_NAMES], texts[:MOST_NAMES]
+    if (n := len(texts)) > MOST_NAMES:
+        some = np.linspace(0, n - 1, SOME_NAMES).round().astype(int)
+        handles, texts = [handles[k] for k in some], [texts[k] for k in some]
         handles.append(plt.Line2D([], [], ls=""))
-        texts.append(f"… and {more} more")
+        texts.append(f"(some of {n})")
     small = {"fontsize": 8, "labelspacing": 0.2} if len(texts) > FEW_NAMES else {}
     axes.legend(handles, texts, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.4, **small)
 

@@ -16,10 +16,20 @@ from pathlib import Path
 import numpy as np
 import pyvista as pv
 
-from postproc.look import BACKGROUND, SOLID_COLOUR, Frame, body_colours, body_names, camera, clock, frame_of
+from postproc.look import (
+    BACKGROUND,
+    EDGE_COLOUR,
+    FLOOR_COLOUR,
+    SOLID_COLOUR,
+    body_colours,
+    body_names,
+    camera,
+    clock,
+)
 from postproc.palette import INK
 from postproc.results import Results
 from postproc.scene import Scene, Surface
+from postproc.sight import Frame, frame_of
 
 SHARP = 35.0  # degrees; edges sharper than this stay sharp in the shading and get a line
 LENS = 20.0  # degrees; a long lens, little distortion
@@ -69,7 +79,7 @@ def _mesh(surface: Surface) -> pv.PolyData:
 
 def _hiding(scene: Scene, frame: Frame, view: str) -> set[int]:
     """Numbers of the stationary solids that stand between the camera and a body at some time; drawn translucent."""
-    towards = camera(view)[0] * np.linalg.norm(np.ptp(frame.bounds, axis=0))
+    towards = camera(view, frame)[0] * np.linalg.norm(np.ptp(frame.bounds, axis=0))
     times = np.linspace(scene.times[0], scene.end, 7)
     eyes = [s.points.mean(axis=0) for t in times for s in scene.at(t) if not s.stationary][:MOST_RAYS]
     solids = {s.number: _mesh(s) for s in scene.at(scene.times[0]) if s.stationary}
@@ -97,7 +107,12 @@ def _add(
 
 
 def _outline(plotter: pv.Plotter, frame: Frame) -> None:
-    plotter.add_mesh(pv.Box(frame.bounds.T.ravel()).extract_all_edges(), color="#aab0b8", line_width=1.2)
+    """The edges of the box that is shown, and the domain's floor where that is a wall."""
+    plotter.add_mesh(pv.Box(frame.bounds.T.ravel()).extract_all_edges(), color=EDGE_COLOUR, line_width=1.2)
+    if frame.floor is not None:
+        floor = pv.PolyData(frame.floor, np.array([4, 0, 1, 2, 3]))
+        plotter.add_mesh(floor, color=FLOOR_COLOUR, lighting=False)
+        plotter.add_mesh(floor.extract_all_edges(), color=EDGE_COLOUR, line_width=1.2)
 
 
 def _label(plotter: pv.Plotter, text: str, size: list[int]) -> None:
@@ -118,7 +133,7 @@ def _place_camera(plotter: pv.Plotter, frame: Frame, job: dict, bar: float) -> N
     A corner at (a, b, c) to the right, up, towards the camera is inside when |a| <= tan(angle/2) aspect (d - c) and
     |b| <= tan(angle/2) (d - c), d the camera's distance.
     """
-    direction, up, parallel = camera(job["view"])
+    direction, up, parallel = camera(job["view"], frame)
     right = np.cross(up, direction)
     right /= np.linalg.norm(right)
     axes = np.array([right, np.cross(direction, right), direction])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,22 +11,20 @@ from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
 from postproc import style
-from postproc.errors import PostprocError, WrongRequest
-from postproc.look import clock
+from postproc.errors import WrongRequest
+from postproc.impacts import Hits, hits
+from postproc.marks import mark_impacts
 from postproc.palette import INK
 from postproc.panels import Panel, panels
-from postproc.pictures import draw
 from postproc.results import Results
+from postproc.strip import draw_strip, place_strip
 from postproc.tables import draw_table
 
-PICTURES = 4
-MOST_BODIES = 4  # curves that an eye can follow
-PIXELS = (760, 760)
-WIDTH, TALLEST = 13.0, 4.6  # inches: of the page, largest height of the pictures
+ALL_BODIES, SOME_BODIES = 6, 4  # curves that an eye can follow; of a crowd, those that are picked
+WIDTH = 13.0  # inches, of the page
 PLOTS = {0: 0.1, 1: 3.6, 2: 6.4, 3: 8.1}  # inches: height of so many plots above each other
 LEFT, RIGHT = 1.5, 1.0  # widths of the plots and of the table
 BESIDE = 0.9  # inches beside the axes of a plot, for its numbers
-MANY_IMPACTS = 60  # from here on marks become strokes
 LONGEST = 24  # letters of a name in a legend
 
 
@@ -39,28 +36,43 @@ def report(results: Results, path: Path, notice: Callable[[str], None] = lambda 
     if len(names) < len(results.bodies):
         notice(f"curves of {len(names)} of {len(results.bodies)} bodies: {', '.join(names)}")
     shown = panels(results, names)
-    times = _picture_times(results, names)
-    images = _pictures(results, times, names, notice)
-    tall = WIDTH * images[0].shape[0] / images[0].shape[1] / PICTURES if images else 0.3
-    tall = min(tall, TALLEST)
-    has_table = len(results.impacts.get("time", ())) > 0
-    plots = PLOTS[2 if has_table else len(shown)]
-    figure = plt.figure(figsize=(WIDTH, 0.9 + tall + plots), layout="constrained")
+    strip = draw_strip(results, names, WIDTH, notice)
+    tall = strip.height(WIDTH)
+    found = hits(results)
+    plots = PLOTS[2 if len(found) else len(shown)]
+    figure = plt.figure(figsize=(WIDTH, 1.1 + tall + plots), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, hspace=0.02, wspace=0.02)
     style.headline(figure, results.title, 16)
+    notes = [strip.caption(_length_unit(results)), *(panel.note for panel in shown)]
+    style.footnote(figure, "\n".join(note for note in notes if note))
     grid = figure.add_gridspec(2, 1, height_ratios=[tall, plots])
-    _place(figure, grid[0], images, times, results)
-    (_beside_table if has_table else _stacked)(figure, grid[1], results, shown)
+    place_strip(figure, grid[0], strip, results)
+    looks = _looks(shown, results.t)
+    if len(found):
+        _beside_table(figure, grid[1], results, shown, looks, found)
+    else:
+        _stacked(figure, grid[1], results, shown, looks)
     return style.save(figure, path)
 
 
-def _stacked(figure: plt.Figure, place: SubplotSpec, results: Results, shown: list[Panel]) -> None:
+def _length_unit(results: Results) -> str:
+    return next((results.curve(f"bodies/{name}/position").unit for name in results.bodies), "")
+
+
+def _looks(shown: list[Panel], t: np.ndarray) -> list[dict[str, dict]]:
+    """Strokes of the curves of each panel; one body has one stroke in all panels of the motion."""
+    curves = [{line.text: np.interp(t, line.t, line.y) for line in panel.lines} for panel in shown]
+    together = style.strokes(*(c for c, panel in zip(curves, shown, strict=True) if panel.motion))
+    return [together if panel.motion else style.strokes(c) for c, panel in zip(curves, shown, strict=True)]
+
+
+def _stacked(figure: plt.Figure, place: SubplotSpec, results: Results, shown: list[Panel], looks: list) -> None:
     """Panels above each other over one time axis."""
     rows = place.subgridspec(max(1, len(shown)), 1)
     axes: list[plt.Axes] = []
     for k, panel in enumerate(shown):
         axes.append(figure.add_subplot(rows[k], sharex=axes[0] if axes else None))
-        _draw_panel(axes[k], panel)
+        _draw_panel(axes[k], panel, looks[k])
         if _needs_legend(shown, k, 0):
             style.legend_above(axes[k], WIDTH - BESIDE)
         axes[k].tick_params(labelbottom=k == len(shown) - 1)
@@ -68,26 +80,29 @@ def _stacked(figure: plt.Figure, place: SubplotSpec, results: Results, shown: li
         style.fit_time(axes[-1], results.t[0], results.t[-1], results.time_unit)
 
 
-def _beside_table(figure: plt.Figure, place: SubplotSpec, results: Results, shown: list[Panel]) -> None:
+def _beside_table(
+    figure: plt.Figure, place: SubplotSpec, results: Results, shown: list[Panel], looks: list, found: Hits
+) -> None:
     """The motion on the left, on the right the table and what else there is."""
-    below = place.subgridspec(2, 2, width_ratios=[LEFT, RIGHT])
-    motion = [panel for panel in shown if panel.motion]
-    others = [panel for panel in shown if not panel.motion]
+    sides = place.subgridspec(1, 2, width_ratios=[LEFT, RIGHT])
+    left, right = (sides[k].subgridspec(2, 1) for k in (0, 1))
+    motion = [k for k, panel in enumerate(shown) if panel.motion]
+    others = [k for k, panel in enumerate(shown) if not panel.motion]
     width = WIDTH * LEFT / (LEFT + RIGHT)
     first = None
-    for k, panel in enumerate(motion):
-        axes = figure.add_subplot(below[k, 0], sharex=first)
+    for row, k in enumerate(motion):
+        axes = figure.add_subplot(left[row], sharex=first)
         first = first or axes
-        _draw_panel(axes, panel)
-        _mark_impacts(axes, results, "impact" if k == 0 else None)
-        if _needs_legend(motion, k, 1):
+        _draw_panel(axes, shown[k], looks[k])
+        style.fit_time(axes, results.t[0], results.t[-1], results.time_unit if row else None)
+        mark_impacts(axes, found, results.t[0], results.t[-1], results.time_unit)
+        if row == 0 or _needs_legend(shown, k, 0):
             style.legend_above(axes, width - BESIDE)
-        axes.tick_params(labelbottom=k > 0)
-        style.fit_time(axes, results.t[0], results.t[-1], results.time_unit if k else None)
-    draw_table(figure.add_subplot(below[0, 1] if others else below[:, 1]), results)
-    for panel in others:
-        axes = figure.add_subplot(below[1, 1])
-        _draw_panel(axes, panel)
+        axes.tick_params(labelbottom=row > 0)
+    draw_table(figure.add_subplot(right[0] if others else right[:]), results, WIDTH - width - BESIDE)
+    for k in others:
+        axes = figure.add_subplot(right[1])
+        _draw_panel(axes, shown[k], looks[k])
         style.legend_above(axes, WIDTH - width - BESIDE)
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         style.fit_time(axes, results.t[0], results.t[-1], results.time_unit)
@@ -100,10 +115,12 @@ def _needs_legend(shown: list[Panel], k: int, marks: int) -> bool:
     return several or shown[k].quantity == "energy"
 
 
-def _draw_panel(axes: plt.Axes, panel: Panel) -> None:
-    for line, look in zip(panel.lines, style.strokes([line.y for line in panel.lines]), strict=True):
+def _draw_panel(axes: plt.Axes, panel: Panel, looks: dict[str, dict]) -> None:
+    for line in panel.lines:
+        look = looks[line.text] | style.rows_as_dots(line.t) | ({"lw": 1.0} if line.colour == INK else {})
         axes.plot(line.t, line.y, color=line.colour, label=style.plain(style.short(line.text, LONGEST)), **look)
-    axes.set_title(panel.title)
+    nothing = not any(line.y.any() for line in panel.lines)
+    axes.set_title(f"{panel.title}: zero throughout" if nothing else panel.title)
     axes.set_ylabel(style.label(panel.quantity, panel.unit))
     if panel.quantity == "energy":  # zero is part of the picture
         low, high = min(axes.dataLim.y0, 0.0), max(axes.dataLim.y1, 0.0)
@@ -114,64 +131,22 @@ def _draw_panel(axes: plt.Axes, panel: Panel) -> None:
         axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))  # 30, 45, 60, 90 degrees
 
 
-def _mark_impacts(axes: plt.Axes, results: Results, text: str | None) -> None:
-    """The impacts as marks on the time axis."""
-    times = results.impacts["time"]
-    mark = {"marker": "^", "ms": 5, "alpha": 0.6} if len(times) < MANY_IMPACTS else {"marker": "|", "alpha": 0.3}
-    across = axes.get_xaxis_transform()
-    zeros = np.zeros(len(times))
-    axes.plot(times, zeros, ls="", color=INK, transform=across, clip_on=False, zorder=9, label=text, **mark)
-
-
 def _interesting(results: Results) -> list[str]:
-    """Up to four moving bodies, those that travel farthest; in the order of the deck."""
-    travel = {
-        name: np.ptp(results.curve(f"bodies/{name}/position").y, axis=0).max(initial=0.0) for name in results.bodies
-    }
-    chosen = sorted(travel, key=travel.get, reverse=True)[:MOST_BODIES]
+    """All bodies that move, in the order of the deck; of a crowd four: one is the fastest at the start.
+
+    The others travel farthest, least, and between these: what a crowd does is seen in what differs.
+    """
+    if len(results.bodies) <= ALL_BODIES:
+        return list(results.bodies)
+    moves = {name: results.curve(f"bodies/{name}/position").y for name in results.bodies}
+    travel = {name: np.ptp(p, axis=0).max(initial=0.0) for name, p in moves.items()}
+    speed = {name: np.linalg.norm(results.curve(f"bodies/{name}/velocity").y[0]) for name in results.bodies}
+    ranked = sorted(travel, key=travel.get, reverse=True)
+    fastest = max(speed, key=speed.get)
+    if sum(v >= speed[fastest] for v in speed.values()) == 1:  # one that sets the others going
+        ranked.remove(fastest)
+        places = np.linspace(0, len(ranked) - 1, SOME_BODIES - 1).round().astype(int)
+        chosen = [fastest, *(ranked[k] for k in places)]
+    else:
+        chosen = [ranked[k] for k in np.linspace(0, len(ranked) - 1, SOME_BODIES).round().astype(int)]
     return [name for name in results.bodies if name in chosen]
-
-
-def _pictures(results: Results, times: np.ndarray, names: list[str], notice: Callable[[str], None]) -> list[np.ndarray]:
-    """The bodies at these times, without the white margin; none, with a notice, where nothing can be drawn."""
-    with tempfile.TemporaryDirectory() as folder:
-        files = [Path(folder) / f"{k}.png" for k in range(len(times))]
-        try:
-            chosen = tuple(results.bodies[name] for name in names)
-            draw(results, list(zip(times, files, strict=True)), size=PIXELS, label=False, chosen=chosen, notice=notice)
-            return _cropped([plt.imread(file) for file in files])
-        except PostprocError as error:
-            notice(f"no pictures: {error}")
-            return []
-
-
-def _place(
-    figure: plt.Figure, place: SubplotSpec, images: list[np.ndarray], times: np.ndarray, results: Results
-) -> None:
-    row = place.subgridspec(1, PICTURES, wspace=0.02)
-    for k, image in enumerate(images):
-        axes = figure.add_subplot(row[k])
-        axes.imshow(image)
-        axes.set_axis_off()
-        axes.set_title(clock(times[k], results.t[-1], results.time_unit), fontweight="normal", loc="center")
-
-
-def _cropped(images: list[np.ndarray]) -> list[np.ndarray]:
-    """Without the white margin that all of them share."""
-    inked = np.min([image[..., :3].min(axis=2) for image in images], axis=0) < 0.98
-    rows, columns = np.flatnonzero(inked.any(axis=1)), np.flatnonzero(inked.any(axis=0))
-    if not len(rows):
-        return images
-    return [image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1] for image in images]
-
-
-def _picture_times(results: Results, names: list[str]) -> np.ndarray:
-    """Times that share the path of the bodies evenly, so that a body at rest does not fill the report."""
-    t = results.t
-    path = np.zeros(len(t) - 1)
-    for name in names:
-        path += np.linalg.norm(np.diff(results.curve(f"bodies/{name}/position").y, axis=0), axis=1)
-    if path.sum() == 0:
-        return np.linspace(t[0], t[-1], PICTURES)
-    way = np.concatenate([[0.0], np.cumsum(path / path.sum() + np.diff(t) / (t[-1] - t[0]))])
-    return np.interp(np.linspace(0, way[-1], PICTURES), way, t)

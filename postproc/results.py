@@ -6,6 +6,7 @@ The file may be read while the run still goes on; what is seen then is the last 
 from __future__ import annotations
 
 import difflib
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 
 from postproc.errors import PostprocError, WrongRequest
 
+SIDES = ("Xmin", "Xmax", "Ymin", "Ymax", "Zmin", "Zmax")
 NOT_CURVES = ("deck", "time")
 
 
@@ -71,6 +73,13 @@ class Results:
     def domain(self) -> np.ndarray | None:
         """Lowest and highest corner of the domain (2, 3)."""
         return np.asarray(self.file.attrs["domain"]) if "domain" in self.file.attrs else None
+
+    @cached_property
+    def walls(self) -> set[str]:
+        """Sides of the domain that are walls (IBCT 2), "Xmin" to "Zmax", as the deck kept in the file has them."""
+        deck = self._read("deck") if "deck" in self.file else ""
+        text = deck.decode() if isinstance(deck, bytes) else str(deck)
+        return {SIDES[int(k) - 1] for k in re.findall(r"(?im)^\s*ibct\(([1-6])\)\s*=\s*2\b", text)}
 
     @cached_property
     def quantities(self) -> list[str]:

@@ -46,7 +46,7 @@ class Scene:
 
     @property
     def time_unit(self) -> str:
-        return self.results.time_unit if self._has_history else ""
+        return self.results.time_unit if self.has_history else ""
 
     @property
     def moving(self) -> list[int]:
@@ -55,31 +55,43 @@ class Scene:
 
     @property
     def speed_label(self) -> str:
-        first = next(iter(self.results.bodies), None) if self._has_history else None
+        first = next(iter(self.results.bodies), None) if self.has_history else None
         unit = self.results.curve(f"bodies/{first}/velocity").unit if first else ""
         return f"speed [{unit}]" if unit else "speed"
 
     @property
     def end(self) -> float:
-        return max(float(self.times[-1]), float(self.results.t[-1]) if self._has_history else 0.0)
+        return max(float(self.times[-1]), float(self.results.t[-1]) if self.has_history else 0.0)
 
     @cached_property
-    def _has_history(self) -> bool:
+    def has_history(self) -> bool:
+        """Whether there is a history with rows."""
         return self.results.path.is_file() and len(self.results.t) > 0
 
     @cached_property
     def bounds(self) -> np.ndarray:
         """(2, 3): the domain; without a history, what the solids and the moving bodies reach."""
-        if self._has_history and self.results.domain is not None:
+        if self.has_history and self.results.domain is not None:
             return self.results.domain
         points = np.concatenate([s.points for t in (self.times[0], self.end) for s in self.at(t)])
         return np.array([points.min(axis=0), points.max(axis=0)])
 
     def at(self, t: float) -> list[Surface]:
         """Surfaces at a time: exact poses where there is a history, else those of the nearest snapshot."""
-        if not self._has_history:
+        if not self.has_history:
             return _read_surfaces(self.files[int(np.abs(self.times - t).argmin())], self.names)
         return [self._moved(surface, t) for surface in self._start]
+
+    def track(self, surface: Surface) -> tuple[np.ndarray, np.ndarray] | None:
+        """Positions (n, 3) and orientations (n, 4; w x y z) of a body in the rows of the history; None without it."""
+        if not self.has_history or surface.name not in self.results.bodies:
+            return None
+        return self._tracks(surface.name)[:2]
+
+    def pose(self, surface: Surface, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """Position (3,) and orientation (4,) at a time, of a body that has a track."""
+        p, q = (np.array([np.interp(t, self.results.t[: len(y)], c) for c in y.T]) for y in self.track(surface))
+        return p, q
 
     def _moved(self, surface: Surface, t: float) -> Surface:
         if surface.stationary or surface.name not in self.results.bodies:

@@ -10,9 +10,10 @@ from matplotlib import pyplot as plt
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from postproc import style
-from postproc.look import SOLID_COLOUR, body_colours, body_names, camera, clock, frame_of
+from postproc.look import EDGE_COLOUR, FLOOR_COLOUR, SOLID_COLOUR, body_colours, body_names, camera, clock
 from postproc.results import Results
 from postproc.scene import Scene, Surface
+from postproc.sight import frame_of
 
 SUN = np.array([-0.4, -0.5, 0.77])
 DOTS = 100  # per inch
@@ -23,7 +24,7 @@ def draw_simply(results: Results, job: dict) -> None:
     """Write one picture per frame of the job (render.py)."""
     scene = Scene(results)
     frame, colours = frame_of(scene), body_colours(scene.moving, job["chosen"])
-    direction, _, parallel = camera(job["view"])
+    direction, _, parallel = camera(job["view"], frame)
     width, height = (pixels / DOTS for pixels in job["size"])
     for wanted in job["frames"]:
         figure = plt.figure(figsize=(width, height), dpi=DOTS)
@@ -31,7 +32,11 @@ def draw_simply(results: Results, job: dict) -> None:
         axes.view_init(np.degrees(np.arcsin(direction[2])), np.degrees(np.arctan2(direction[1], direction[0])))
         for surface in scene.at(wanted["time"]):
             axes.add_collection3d(_painted(surface, colours.get(surface.number, SOLID_COLOUR)))
-        axes.add_collection3d(Line3DCollection(_edges(frame.corners), colors="#aab0b8", linewidths=0.8))
+        if frame.floor is not None:
+            axes.add_collection3d(
+                _Floor([frame.floor], facecolors=FLOOR_COLOUR, edgecolors=EDGE_COLOUR, linewidths=0.8)
+            )
+        axes.add_collection3d(Line3DCollection(_edges(frame.corners), colors=EDGE_COLOUR, linewidths=0.8))
         axes.set(**{f"{name}lim": frame.bounds[:, k] for k, name in enumerate("xyz")})
         axes.set_box_aspect(np.ptp(frame.bounds, axis=0), zoom=0.98)
         axes.set_axis_off()
@@ -43,6 +48,14 @@ def draw_simply(results: Results, job: dict) -> None:
                 place = (0.97, 0.94 - 0.04 * k)
                 figure.text(*place, style.plain(name), color=colour, ha="right", fontsize=0.9 * LETTERS * height)
         style.save(figure, Path(wanted["path"]), dots=DOTS)
+
+
+class _Floor(Poly3DCollection):
+    """Painted before all else."""
+
+    def do_3d_projection(self) -> float:
+        super().do_3d_projection()
+        return np.inf
 
 
 def _painted(surface: Surface, colour: str) -> Poly3DCollection:

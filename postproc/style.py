@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Hashable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,6 +28,7 @@ SMALL, HANDLE = 9.5, 0.42  # of a legend above a plot: font size; width of an en
 GAP = 0.15  # inches between the title and the legend
 LINES = ("-", "--", ":", "-.")
 SAME, HALF = 0.005, 0.5  # curves closer than this part of the panel, at more than half of the rows, hide each other
+FEW_ROWS = 40  # up to here each row gets a dot
 LEVEL = 1e-6  # of its value; a smaller change is not drawn
 
 plt.rcParams.update(
@@ -107,20 +109,44 @@ def headline(figure: Figure, text: str, size: float) -> None:
     figure.suptitle(plain("\n".join(lines)), fontsize=size, fontweight="bold", x=EDGE, ha="left")
 
 
-def strokes(curves: list[np.ndarray]) -> list[dict]:
-    """Strokes and order for the curves of a panel: one that runs on top of another, which varies more, is broken."""
-    everything = np.concatenate([*curves, np.zeros(0)])
-    span = float(np.ptp(everything)) if everything.size else 0.0
-    order = sorted(range(len(curves)), key=lambda k: -float(np.ptp(curves[k])) if len(curves[k]) else 0.0)
-    looks: list[dict] = [{}] * len(curves)
-    for place, k in enumerate(order):
-        on_top = sum(_same(curves[k], curves[other], span) for other in order[:place])
-        looks[k] = {"ls": LINES[on_top % len(LINES)], "zorder": 3 + place}
-    return looks
+def footnote(figure: Figure, text: str) -> None:
+    """Small lines at the foot of a figure."""
+    if text:
+        figure.supxlabel(plain(text), fontsize=SMALL, x=EDGE, ha="left")
+
+
+def strokes(*panels: dict[Hashable, np.ndarray]) -> dict[Hashable, dict]:
+    """Stroke and order of what the panels {key: curve} show, one for each key in all of them.
+
+    Where two curves run on top of each other, in any of the panels, the one that varies less is broken and above.
+    """
+    spans = [float(np.ptp(np.concatenate([*panel.values(), np.zeros(0)]))) if panel else 0.0 for panel in panels]
+    some_vary = any(spans)  # then a panel of nothing but zeros breaks no curve of the others
+    varies: dict[Hashable, float] = {}
+    for panel, span in zip(panels, spans, strict=True):
+        for key, curve in panel.items():
+            share = float(np.ptp(curve)) / span if len(curve) and span > 0 else 0.0
+            varies[key] = varies.get(key, 0.0) + share
+    order = sorted(varies, key=lambda key: -varies[key])
+    number: dict[Hashable, int] = {}
+    for place, key in enumerate(order):
+        taken = {
+            number[other]
+            for other in order[:place]
+            for panel, span in zip(panels, spans, strict=True)
+            if (span > 0 or not some_vary) and key in panel and other in panel and _same(panel[key], panel[other], span)
+        }
+        number[key] = next(k for k in range(len(order)) if k not in taken)
+    return {key: {"ls": LINES[number[key] % len(LINES)], "zorder": 3 + place} for place, key in enumerate(order)}
 
 
 def _same(a: np.ndarray, b: np.ndarray, span: float) -> bool:
     return len(a) == len(b) > 0 and float(np.mean(np.abs(a - b) <= SAME * span)) > HALF
+
+
+def rows_as_dots(t: np.ndarray) -> dict:
+    """Look of a curve with few rows: each is a dot, so that a line between two is not taken for what was computed."""
+    return {"marker": "o", "ms": 3.5} if len(t) <= FEW_ROWS else {}
 
 
 def fit_values(axes: Axes) -> None:
@@ -157,7 +183,7 @@ def columns_that_fit(entries: list[float], room: float) -> int:
     for columns in range(len(entries), 1, -1):
         parts = np.array_split(np.array(entries), columns)
         if sum(part.max() for part in parts) <= room:
-            return columns
+            return -(-len(entries) // -(-len(entries) // columns))  # as many as these rows need
     return 1
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
-from postproc import style
+from postproc import report, style
 from postproc.look import clock
 from postproc.panels import panels
 from postproc.results import Results
@@ -85,7 +85,36 @@ def test_without_energies_and_forces_two_panels_are_left(written, energy):
 def test_energies_come_before_the_force_and_without_those_that_are_zero(written):
     energy = {"impacts": 0 * T, "potential": -T, "kinetic": T, "remainder": 1e-14 * T}
     results = written({"piston": PISTON | {"residual_force": FORCE}}, energy)
-    assert shown(results)[2] == ("Energy", ["kinetic", "potential"], {"kinetic", "potential"})
+    assert shown(results)[2] == ("Energy", ["kinetic", "potential", "sum"], {"kinetic", "potential", "sum"})
+    assert "stays the same but for 1e-14 of the largest" in panels(results, ["piston"])[2].note
+
+
+def test_the_sum_of_energies_is_level_when_the_books_close(written):
+    """kinetic + potential + lost - work = 3; what is lost in friction is too little to see, but counts."""
+    books = {"kinetic": 3 + T, "potential": -2 * T, "impacts": 2 * T, "dissipated": 1e-3 * T}
+    books |= {"work_prescribed": 0.6 * T, "work_loads": 0.401 * T, "remainder": 0 * T}
+    panel = panels(written({"piston": PISTON}, books), ["piston"])[2]
+    assert [line.text for line in panel.lines][-1] == "sum less work"
+    assert "lost in friction" not in [line.text for line in panel.lines]
+    assert np.allclose(panel.lines[-1].y, 3, rtol=1e-14)
+    assert panel.note.endswith("lost − work stays the same exactly")
+
+
+def test_a_body_that_moves_little_up_and_far_along_is_shown_along(written):
+    """0.2 up and 1 along: a block that slides, with one that tips."""
+    slides = {"position": along("x", T / 2) + along("z", T / 10), "velocity": along("x", 0.5 + 0 * T)}
+    assert shown(written({"block": slides}))[0][0] == "Position x against time"
+    rises = {"position": along("x", T / 2) + along("z", T / 5), "velocity": along("z", 0.2 + 0 * T)}
+    assert shown(written({"block": rises}))[0][0] == "Height against time"
+
+
+def test_of_a_crowd_the_fastest_and_bodies_that_differ_have_curves(written):
+    """Ten travel 1 to 10, one that is still going to stop starts fastest; six and fewer are all shown."""
+    crowd = {f"b{k}": {"position": along("x", k * T / 2), "velocity": along("x", 0 * T)} for k in range(1, 11)}
+    crowd["b4"] = {"position": along("x", 2 * T), "velocity": along("x", np.where(T == 0, 5.0, 0.0))}
+    assert report._interesting(written(crowd)) == ["b1", "b4", "b6", "b10"]
+    few = {name: crowd[name] for name in list(crowd)[:6]}
+    assert report._interesting(written(few)) == list(few)
 
 
 def test_a_body_that_only_turns_shows_its_turn(written):
@@ -139,10 +168,8 @@ def test_rolling_is_travel_until_most_energy_turns(written, inertia, answer):
 
 
 def test_reports_of_these_histories_are_drawn(written, tmp_path):
-    from postproc.report import report
-
     results = written({"drum": {"orientation": about([0, 0, 1], T), "angular_velocity": along("z", 1 + 0 * T)}})
-    assert report(results, tmp_path / "r.png").stat().st_size > 1000
+    assert report.report(results, tmp_path / "r.png").stat().st_size > 1000
 
 
 def test_angle_about_a_leaning_axis_counts_on(written):
@@ -185,11 +212,45 @@ def test_a_dollar_is_a_dollar():
     assert figure._suptitle.get_text() == r"Costs \$5 or \$6_a"
 
 
+def strokes_of(*panels):
+    return {key: look["ls"] for key, look in style.strokes(*(dict(enumerate(panel)) for panel in panels)).items()}
+
+
 def test_a_curve_upon_another_is_broken():
     wide, same, other = np.sin(T), np.sin(T) + 1e-4, np.cos(T)
-    assert [look["ls"] for look in style.strokes([wide, same, other])] in (["-", "--", "-"], ["--", "-", "-"])
-    assert [look["ls"] for look in style.strokes([0 * T, np.sin(T), 0 * T])] == ["-", "-", "--"]
-    assert style.strokes([]) == []
+    found = strokes_of([wide, same, other])
+    assert sorted([found[0], found[1]]) == ["-", "--"] and found[2] == "-"
+    assert strokes_of([0 * T, np.sin(T), 0 * T]) == {0: "-", 1: "-", 2: "--"}
+    assert style.strokes() == {} and style.strokes({}) == {}
+
+
+def test_a_body_has_one_stroke_in_all_panels():
+    """Its velocities coincide with another's, its positions do not: broken in both. Zeros throughout break nothing."""
+    apart, level = [np.sin(T), 2 + np.sin(T), 4 + T], [np.cos(T), np.cos(T), 1 + 0 * T]
+    found = strokes_of(apart, level)
+    assert sorted([found[0], found[1]]) == ["-", "--"] and found[2] == "-"
+    assert set(strokes_of(apart, [0 * T] * 3).values()) == {"-"}
+    assert sorted(strokes_of([0 * T] * 3).values()) == ["-", "--", ":"]
+
+
+def test_a_report_and_a_plot_have_a_body_look_alike_in_all_their_panels(written, monkeypatch, tmp_path):
+    """Colour, stroke by the legend's text of every curve that is drawn, panel by panel."""
+    from postproc.plot import plot
+
+    one = {"position": along("z", np.sin(T)), "velocity": along("z", np.cos(T))}
+    two = {"position": along("z", 3 + np.sin(T)), "velocity": along("z", np.cos(T))}
+    results = written({"one": one, "two": two, "three": {"position": along("z", T), "velocity": along("z", T)}})
+    kept = []
+    monkeypatch.setattr(style, "save", lambda figure, path: kept.append(figure) or path)
+    report.report(results, tmp_path / "r.png")
+    plot(results, ["position", "velocity"], tmp_path / "p.png", component="z")
+    for figure in kept:
+        curves = [
+            {line.get_label(): (line.get_color(), line.get_linestyle()) for line in axes.lines} for axes in figure.axes
+        ]
+        plt.close(figure)
+        assert len(curves) == 2 and set(curves[0]) == {"one", "two", "three"} and curves[0] == curves[1]
+        assert len(set(curves[0].values())) == 3
 
 
 def test_a_level_line_is_level():
