@@ -224,7 +224,7 @@ class Engine:
             room.rows[self.row, movers] = poses
             room.rows_books[self.row] += self.books + books
             forces = self.holder.ledger.forces()
-            self.sleep.add_forces(forces)
+            self.sleep.add_forces(forces, self.held)
             room.contact_force[self.row, movers] = forces[movers]
             self.row += 1
 

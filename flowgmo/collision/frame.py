@@ -5,7 +5,10 @@
     n2 = (-sinβ cosβ (1 - cosθ), cos²β + sin²β cosθ, -sinβ sinθ)
 
 In components of n, k = (1 - cosθ)/sin²θ = 1/(1 + nz): n1 = (1 - k nx², -k nx ny, -nx), n2 = (-k nx ny, 1 - k ny², -ny).
-At n = z these are x, y. At n = -z every half turn is as short: we take that about y (β = 0), n1 = -x, n2 = y.
+At n = z these are x, y. Where n points down (nz < 0, next to -z every turn is as short) we take the mirror image of the
+system of (nx, ny, -nz), n1 reversed so that it stays right-handed: n1 = (k nx² - 1, k nx ny, -nx), n2 = (-k nx ny,
+1 - k ny², ny), k = 1/(1 - nz). A scene mirrored across x, y or z then has mirrored tangents, but for their signs, and
+the mirrored result to the last bit.
 
 Where n lies in the plane x z or y z, one of the two is the axis across that plane, to the last bit: a problem in that
 plane stays in it. For a plane x y the formula gives two tangents askew to it; there we take n1 = -z, n2 = z × n,
@@ -15,8 +18,6 @@ Source: report 2.4, eqs. (33), (35), (37) with the errata.
 """
 
 from __future__ import annotations
-
-import numpy as np
 
 from flowgmo.collision.contact import symmetric_times
 from flowgmo.kernel import inner
@@ -32,10 +33,8 @@ def tangents(n):
     if z >= 0.0:
         k = 1.0 / (1.0 + z)
         return (1.0 - k * x * x, -k * x * y, -x), (-k * x * y, 1.0 - k * y * y, -y)
-    side = np.hypot(x, y)  # here 1 + nz would cancel: by β and 1 - nz instead
-    c, s = (x / side, y / side) if side > 0.0 else (1.0, 0.0)
-    k = 1.0 - z
-    return (1.0 - k * c * c, -k * c * s, -x), (-k * c * s, 1.0 - k * s * s, -y)
+    k = 1.0 / (1.0 - z)
+    return (k * x * x - 1.0, k * x * y, -x), (-k * x * y, 1.0 - k * y * y, y)
 
 
 @inner

@@ -8,7 +8,8 @@ moment:
 
 On a HELD path x_k and θ are polynomials of second degree, so that the time of a stop is the root of one. It is an event
 like the touching of two bodies: its impact is resolved with all contacts of the body, and from then on, as long as the
-body stands at the stop, the stop takes part in every solution for contact forces.
+body stands at the stop, the stop takes part in every solution for contact forces. Bodies on a fixed point have no
+stops: the deck's rules refuse them (deck/rules_motion.py).
 
 The flag POSE.hold means that free flight keeps a component at its stop. It is set only while nothing else presses the
 body: then the loads decide alone when it leaves.
@@ -36,8 +37,6 @@ class Limits:
         found = []
         for b in np.flatnonzero((arena.bodies["stopped"] == 1) & (arena.movable == 1)):
             body = arena.bodies[b]
-            if body["hinge"] == 2:
-                continue
             for k in (3,) if body["hinge"] == 1 else np.flatnonzero(body["coupled"][:3]):
                 found += [(b, k, side) for side, end in ((1, body["hi"][k]), (-1, body["lo"][k])) if np.isfinite(end)]
         self.stops = np.array(found, STOP)

@@ -10,8 +10,8 @@ The relative velocity of a contact and the change of y by its impulse are
     u = u_0 + G_a y_a + G_b y_b       y_a += G_aᵀ p,   y_b += G_bᵀ p       K = G_a G_aᵀ + G_b G_bᵀ
 
 with G_a = (L_t, -[x - c]× L_r), G_b the negative of the same of b, u_0 the free relative velocity plus the bias.
-Masses are taken in a unit of the problem's own, a power of two: p and y are velocities, the roots that L takes have
-no unit of mass, and a problem with all masses doubled gives the same bits.
+Masses are taken in a unit of the group's own, a power of two: p and y are velocities, the roots that L takes have no
+unit of mass, and a problem with all masses doubled gives the same bits.
 """
 
 from __future__ import annotations
@@ -168,12 +168,16 @@ def natural_residual(links, slots, group, tolerance):
 
 
 @inner
-def mass_unit(contacts, responses):
-    """A power of two [1/mass] near the largest trace of K that a contact has from one of its parties."""
+def mass_unit(contacts, order, group, responses):
+    """A power of two [1/mass] near the largest trace of K that a contact of a group has from one of its parties.
+
+    Each group has its own: roots of odd powers of two round, and what is far away must not change the last bit.
+    """
     most = 0.0
-    for c in range(len(contacts)):
-        x = triple(contacts[c].point)
-        for party in (contacts[c].a, contacts[c].b):
+    for i in range(group.first, group.last):
+        contact = contacts[order[i]]
+        x = triple(contact.point)
+        for party in (contact.a, contact.b):
             t, s = responses[party].wt, responses[party].wr
             r = sub(x, triple(responses[party].centre))
             across = (s[1] + s[2]) * r[0] * r[0] + (s[0] + s[2]) * r[1] * r[1] + (s[0] + s[1]) * r[2] * r[2]
@@ -184,16 +188,12 @@ def mass_unit(contacts, responses):
 
 
 @inner
-def prepare_slots(responses, queue, n, unit):
-    """The first n slots of the queue, all but y; and L_t, L_r (s, 3, 3) in the unit of mass."""
-    lt = np.empty((n, 3, 3))
-    lr = np.empty((n, 3, 3))
-    slots = np.empty(n, SLOT)
-    for s in range(n):
+def prepare_slots(slots, group, queue, responses, unit, lt, lr):
+    """The slots of a group, all but y; and L_t, L_r (s, 3, 3) in its unit of mass."""
+    for s in range(group.low, group.high):
         slots[s].party = queue[s]
         factor_tensor(responses[queue[s]].wt, unit, lt[s])
         factor_tensor(responses[queue[s]].wr, unit, lr[s])
-    return slots, lt, lr
 
 
 @inner

@@ -31,6 +31,7 @@ from flowgmo.collision.contact_groups import find_groups
 from flowgmo.collision.contact_newton import CONVERGED, IMPOSSIBLE, TOO_MANY, newton, start
 from flowgmo.collision.links import (
     LINK,
+    SLOT,
     guess,
     mass_unit,
     move,
@@ -167,27 +168,32 @@ def solve(contacts, bias, responses, twists, tolerance, most):
     residual relative to the largest free velocity, impulses no larger than the other contacts ask for).
     """
     groups, n_groups, queue, n_slots, slot_of, order, n_links = find_groups(contacts, responses)
-    unit = mass_unit(contacts, responses)
-    slots, lt, lr = prepare_slots(responses, queue, n_slots, unit)
+    slots = np.empty(n_slots, SLOT)
+    lt = np.empty((n_slots, 3, 3))
+    lr = np.empty((n_slots, 3, 3))
     links = np.empty(n_links, LINK)
-    for i in range(n_links):
-        contact = contacts[order[i]]
-        links[i].contact = order[i]
-        links[i].a = slot_of[contact.a]
-        links[i].b = slot_of[contact.b]
-        prepare_link(links[i], contact, bias, order[i], responses, twists, lt, lr, unit)
+    for c in range(len(contacts)):
+        if slot_of[contacts[c].a] < 0 and slot_of[contacts[c].b] < 0:
+            put(contacts[c].impulse, (0.0, 0.0, 0.0))
     count = np.int64(0)
     residual = 0.0
     status = CONVERGED
     for g in range(n_groups):
-        sweeps, worst, how = solve_group(links, slots, groups[g], contacts, unit, tolerance, most)
+        group = groups[g]
+        unit = mass_unit(contacts, order, group, responses)
+        prepare_slots(slots, group, queue, responses, unit, lt, lr)
+        for i in range(group.first, group.last):
+            contact = contacts[order[i]]
+            links[i].contact = order[i]
+            links[i].a = slot_of[contact.a]
+            links[i].b = slot_of[contact.b]
+            prepare_link(links[i], contact, bias, order[i], responses, twists, lt, lr, unit)
+        sweeps, worst, how = solve_group(links, slots, group, contacts, unit, tolerance, most)
         count = max(count, sweeps)
         residual = max(residual, worst)
         status = max(status, how)
-    for c in range(len(contacts)):
-        put(contacts[c].impulse, (0.0, 0.0, 0.0))
-    for i in range(n_links):
-        put(contacts[links[i].contact].impulse, scale(1.0 / unit, triple(links[i].p)))
+        for i in range(group.first, group.last):
+            put(contacts[order[i]].impulse, scale(1.0 / unit, triple(links[i].p)))
     for s in range(n_slots):
         finish(twists[slots[s].party], slots[s].y, lt[s], lr[s])
     return count, residual, status

@@ -18,8 +18,9 @@ from flowgmo.kernel import inner
 IN_VAIN = 1e-3  # approach [v_ref] left by `settle` that says that there is no solution
 SOFT = 1e-3  # ε where there is no solution: within that of the least violation
 CLOSE = 1e-13  # change of a velocity [v_ref] at which the sweeps end: round-off
-MANY = 64  # contacts above which sweeps are over-relaxed, and end at
+MANY = 64  # contacts above which sweeps end at
 CLOSE_ENOUGH = 1e-10  # below what a caller takes for rest (strike.SETTLED)
+FEW = 8  # contacts above which sweeps are over-relaxed: 60 of a row of dominoes then end at round-off, not at the bound
 RELAX = 1.8  # over-relaxation: 500 spheres settle in a third of the sweeps; below 2 each sweep still lowers the sum
 
 
@@ -60,7 +61,7 @@ def settle(springs, links, sweeps, epsilon, close):
     sweeps: at most so many; close: change of a velocity [v_ref] at which they end (CLOSE_ENOUGH above MANY contacts).
     """
     m = springs.shape[0]
-    relax = RELAX if m > MANY else 1.0
+    relax = RELAX if m > FEW else 1.0
     if m > MANY:
         close = max(close, CLOSE_ENOUGH)
     for i in range(m):

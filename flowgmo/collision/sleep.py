@@ -40,11 +40,12 @@ class Sleep:
         n = self.arena.n
         return self.asleep[:n].copy(), self.quiet[:n].copy()
 
-    def add_forces(self, forces: np.ndarray) -> None:
-        """Contact forces (n, 3) of the bodies that sleep: they carry their weight."""
+    def add_forces(self, forces: np.ndarray, held: np.ndarray) -> None:
+        """Contact forces (n, 3) of the bodies that sleep: those of the contacts held, as they were found last."""
         n = self.arena.n
-        rests = self.asleep[:n] == 1
-        forces[rests] = -self.arena.bodies["mass"][:n][rests][:, None] * self.arena.model.gravity
+        for side, sign in (("a", 1.0), ("b", -1.0)):
+            rests = self.asleep[held[side]] == 1
+            np.add.at(forces[:n], held[side][rests], sign * held["impulse"][rests])
 
     def awake(self) -> np.ndarray:
         """(n+6,) 1 for parties that may move now."""

@@ -14,7 +14,8 @@ def test_stands(deck, runs):
 
 @pytest.mark.parametrize("deck", ["tower", "pyramid", "wall", "cards"])
 def test_floor_carries_all(deck, runs):
-    # 1e-6 of the weight: sum of the contact forces on the pieces is what gravity takes
+    # 1e-6 of the weight: sum of the contact forces on the pieces, those of sleepers as they were found last, is what
+    # gravity takes
     curves = runs.curves("stack", deck)
     total = sum(body["contact_force"][-1] for body in curves.bodies.values())
     weight = -curves.gravity * sum(curves.mass.values())

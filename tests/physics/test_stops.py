@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from flowgmo_scenes import Scene, deck, driven, number, on_axis, rigid, solid, table, three
 
+from flowgmo.deck.errors import DeckError
 from flowgmo.records import LIMIT
 
 UNIT = np.eye(3)
@@ -106,6 +107,13 @@ def test_a_prescribed_body_waits_at_its_limit_and_returns(dt):
     assert s.p[0, 0] == pytest.approx(0.2, abs=1e-13)
     s.to(1.0, min(dt, 0.5))
     assert s.p[0, 0] == pytest.approx(0.2 - 1 / np.pi, abs=1e-12)
+
+
+@pytest.mark.parametrize("more", ["anglmax(#)=10.0,", "dzmcmin(#)=0.1,"])
+def test_a_body_on_a_fixed_point_has_no_stops(more):
+    """A deck that gives it one is refused: what limits.py watches are free bodies and fixed axes."""
+    with pytest.raises(DeckError, match="limits of"):
+        falling(more + " imoaxs(#)=4, zaxs0(#)=0.5,")
 
 
 def test_a_driven_axis_waits_at_its_angle():

@@ -53,11 +53,12 @@ def test_each_contact_has_its_own_small_restitution(e, mu):
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", [*range(20), 98, 247])
 def test_a_mirrored_scene_gives_a_mirrored_result(seed, axis):
-    """Rough and smooth, any bodies. Measured 0 across x and y, 4e-14 across z, where the tangents differ.
+    """Rough and smooth, any bodies, to the last bit: what is solved is the same problem.
 
-    A length, a unit or a tolerance that depends on the choice of tangents would show: it gave 1e-3.
+    A length, a unit or a tolerance that depends on the choice of tangents would show: it gave 1e-3. So would tangents
+    that are not those of the mirror image: seeds 98 and 247 stand at a bifurcation, where 1e-16 became 4e-4 and 1e-6.
     """
     scene = scenes.random_cluster(seed)
     other = scenes.mirrored(*scene, axis)
@@ -65,6 +66,5 @@ def test_a_mirrored_scene_gives_a_mirrored_result(seed, axis):
     status = [scenes.resolve(*end, 1.5, 0.03)[0] for end in ends]
     assert status[0] == status[1]
     _, _, image = scenes.mirrored(*ends[0], axis)
-    size = max(abs(scene[2]["v"]).max(), abs(scene[2]["w"]).max())
     for part in ("v", "w"):
-        np.testing.assert_allclose(ends[1][2][part], image[part], atol=1e-9 * size)
+        np.testing.assert_array_equal(ends[1][2][part], image[part])
