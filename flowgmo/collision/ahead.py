@@ -59,7 +59,6 @@ def compile_all() -> None:
     from flowgmo.collision.clusters import resolve
     from flowgmo.collision.contact import CONTACT, RESPONSE, TWIST
     from flowgmo.collision.persistent import solve
-    from flowgmo.collision.positions import separate
     from flowgmo.collision.single import strike_exactly
 
     responses, twists = np.zeros(7, RESPONSE), np.zeros(7, TWIST)
@@ -68,5 +67,4 @@ def compile_all() -> None:
     nothing = contacts[:0].copy()
     solve(nothing, np.zeros((0, 3)), responses, twists, 1e-9, 1)
     resolve(nothing, responses, twists, 1.5, 0.03)
-    separate(nothing, np.zeros(0), responses, twists, 1e-9, 1)
     strike_exactly(contacts, responses, twists)

@@ -58,12 +58,13 @@ class Arena:
         self.gravity = float(np.linalg.norm(model.gravity))
         self._hits, self._hit_body = np.zeros((MOST_HITS, 7)), np.zeros(MOST_HITS, dtype=np.int64)
 
-    def parties_of(self, contacts: np.ndarray, *others: int) -> np.ndarray:
-        """Parties of contacts (m,) and `others`, each once, ascending."""
+    def parties_of(self, contacts: np.ndarray, *others: np.ndarray) -> np.ndarray:
+        """Parties of contacts (m,) and `others` (k,), each once, ascending."""
         mask = np.zeros(len(self.bodies), dtype=bool)
         mask[contacts["a"]] = True
         mask[contacts["b"]] = True
-        mask[list(others)] = True
+        for more in others:
+            mask[more] = True
         return np.flatnonzero(mask)
 
     def load(self, motion: np.ndarray, t: float) -> None:
@@ -114,7 +115,25 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def lengths(a: np.ndarray) -> np.ndarray:
     """(m,) lengths of rows (m, 3)."""
-    return np.sqrt(np.einsum("ki,ki->k", a, a))
+    return np.sqrt(dots(a, a))
+
+
+def dots(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(m,) a · b of rows (m, 3): np.einsum takes three times as long for a few rows."""
+    x = a * b
+    out = x[:, 0] + x[:, 1]
+    out += x[:, 2]
+    return out
+
+
+def joined(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """Two lists of records of one type as one: np.concatenate compares their fields one by one first."""
+    if not len(two):
+        return one
+    out = np.empty(len(one) + len(two), one.dtype)
+    out[: len(one)] = one
+    out[len(one) :] = two
+    return out
 
 
 def _pairs(model: Model) -> np.ndarray:

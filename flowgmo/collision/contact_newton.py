@@ -17,8 +17,8 @@ true ones, and (1) is tried again.
 Numbers of parties and contacts enter by round-off only, and a mirrored problem has the mirrored result.
 
 Contradictory problems (two points of one edge that stick, and whose rounded normals or gaps ask for velocities along
-it that differ in the eighth digit) have no solution either: the residual falls to that contradiction and stays. Where
-it stays at no more than NEARLY tolerances this is the answer.
+it that differ in the eighth digit) have no solution either: the residual falls to that contradiction and stays, or goes
+up and down above it. Where STAYS stiff steps at no more than NEARLY tolerances find no smaller one, that is the answer.
 
 Impossible problems (a driven party presses a body against a wall): u converges to the least violation while impulses
 grow by ρ times it each step, without end. That is how they are known; persistent.py then solves the problem that has
@@ -45,17 +45,18 @@ AGAIN = 5  # easy steps after which a larger ρ is tried again
 CONVEX_MOST = 8  # convex steps in a row
 STAYS = 3  # steps that find the same violation
 NEARLY = 1000.0  # tolerances that a contradiction of the data may leave
-SLOW = 0.9  # of the residual before: what a mode with λ/k = 1e-7 leaves at ρ k = STIFF
+SLOW = 0.9  # of the least residual before: what a mode with λ/k = 1e-7 leaves at ρ k = STIFF
 CLOSE = 1e-2  # relative residual below which a step that fails is tried with a smaller ρ, not with convex ones
 PATIENCE = 40  # Newton steps without a smaller residual after which one of NEARLY tolerances is the answer
 CONVERGED, TOO_MANY, IMPOSSIBLE = 0, 1, 2
 
 
 class Matrix(NamedTuple):
-    """Room of one group: a (n, 3 reach + 1), rows (n,), x (n,) as in banded.py; d (3, 3), dg (3, 6); made (1,)."""
+    """Room of one group: a (n, 3 reach + 1), rows, ends, x (n,) as in banded.py; d (3, 3), dg (3, 6); made (1,)."""
 
     a: np.ndarray
     rows: np.ndarray
+    ends: np.ndarray
     x: np.ndarray
     d: np.ndarray
     dg: np.ndarray
@@ -114,7 +115,8 @@ def newton(links, slots, group, tolerance, most):
     n = 6 * (group.high - group.low)
     reach = 6 * group.band + 5
     a = np.empty((n, 3 * reach + 1))
-    room = Matrix(a, np.empty(n, np.int64), np.empty(n), np.empty((3, 3)), np.empty((3, 6)), np.zeros(1), reach)
+    rows, ends = np.empty(n, np.int64), np.empty(n, np.int64)
+    room = Matrix(a, rows, ends, np.empty(n), np.empty((3, 3)), np.empty((3, 6)), np.zeros(1), reach)
     for c in range(group.first, group.last):
         put(links[c].base, triple(links[c].p))
         put(links[c].best, triple(links[c].p))
@@ -149,6 +151,7 @@ def newton(links, slots, group, tolerance, most):
                 convex = min(failed, CONVEX_MOST) + 1
         else:
             last = worst
+            lowest = least
             grew = rebase(links, slots, group)
             relative, worst = natural_residual(links, slots, group, tolerance)
             if relative < least:
@@ -160,7 +163,7 @@ def newton(links, slots, group, tolerance, most):
             # hundred-thousandth of ρ, as at ratios of masses beyond 1e8, is taken for one
             same = stiff == ceiling and abs(worst - last) <= 1e-5 * last and grew > 0.1 * stiff * worst
             stayed = stayed + 1 if same else 0
-            slow = stiff == stiffest and convex == 0 and worst > SLOW * last
+            slow = stiff == stiffest and convex == 0 and relative > SLOW * lowest
             stalls = stalls + 1 if slow and relative <= NEARLY * tolerance else 0
             if steps <= EASY:
                 easy += 1

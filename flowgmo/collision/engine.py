@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena
+from flowgmo.collision.arena import Arena, joined
 from flowgmo.collision.correct import Corrector
 from flowgmo.collision.crowd import SHALLOW, Crowd
 from flowgmo.collision.gather import mark_joined, no_contacts
@@ -105,6 +105,8 @@ class Engine:
         contacts, resting = self._touching()
         if self.watch.located:
             contacts = self.corrector.correct(contacts, self.books)
+            if self.crowd.busy and len(contacts):
+                self._measure(contacts)
         contacts = self._strike(contacts, now, REBOUND)
         longest = self.holder.longest_legs(contacts).min(initial=np.inf)
         longest = min(longest, self.watch.longest(), self.crowd.longest_leg(contacts))
@@ -119,6 +121,15 @@ class Engine:
         self._bring(arena.movers, end)
         self.sleep.fall_asleep(self.held)
         return end
+
+    def _measure(self, contacts: np.ndarray) -> None:
+        """Points, normals and gaps of contacts (m,) as the bodies stand: after large shifts they are elsewhere.
+
+        Balls whose arms are not along their normals would turn their slip, and cost ten times as much.
+        """
+        there, found = self.watch.again(contacts, self.arena.motion)
+        for name in ("point", "normal", "gap"):
+            contacts[name][found] = there[name]
 
     def _touching(self) -> tuple[np.ndarray, np.ndarray]:
         """Contacts of all parties that are awake, and the held ones among those that sleep; touched sleepers wake."""
@@ -173,7 +184,7 @@ class Engine:
         mine = (joined[self.held["a"]] | joined[self.held["b"]]) == 1
         bodies = np.flatnonzero(joined)
         self.holder.ledger.close(t, self.books, joined)
-        self._bring(self.arena.parties_of(self.held[mine], *met.ravel(), *stops["body"]), t)
+        self._bring(self.arena.parties_of(self.held[mine], met.ravel(), stops["body"]), t)
         self.holder.limits.snap(stops)
         self.sleep.wake(bodies, self.held)  # now, and not before: it has not moved since the leg began
         contacts = self.watch.touching_now(self.held[mine], met)
@@ -184,13 +195,15 @@ class Engine:
 
     def _strike(self, contacts: np.ndarray, t: float, plastic: float) -> np.ndarray:
         """Resolve impacts; returns the contacts that may stay: not those that part."""
-        if not len(contacts):
-            return contacts
+        limits = self.holder.limits
+        if not len(contacts) or not (limits.any or contacts["fresh"].any()):
+            return contacts  # what was there before is no impact
         self.striker.busy = self.crowd.busy
         forces = contacts["impulse"].copy()
         m, span = len(contacts), self._span(contacts)
-        contacts = np.concatenate([contacts, self.holder.limits.contacts(self.arena.parties_of(contacts))])
-        span = np.concatenate([span, np.zeros(len(contacts) - m)])
+        if limits.any:
+            contacts = np.concatenate([contacts, limits.contacts(self.arena.parties_of(contacts))])
+            span = np.concatenate([span, np.zeros(len(contacts) - m)])
         outcome = self.striker.strike(contacts, t, span, plastic, self.books)
         self.room.impacts.extend(outcome.records)
         self.crowd.work += int(outcome.struck.sum())
@@ -231,5 +244,9 @@ class Engine:
 
 def merge(one: np.ndarray, two: np.ndarray) -> np.ndarray:
     """Two lists of contacts as one, sorted by pair."""
-    both = np.concatenate([one, two])
-    return both[np.lexsort((both["b"], both["a"]))]
+    if not len(one):
+        one, two = two, one
+    both = joined(one, two)
+    a, b = both["a"], both["b"]
+    later = (a[1:] > a[:-1]) | (a[1:] == a[:-1]) & (b[1:] >= b[:-1])
+    return both if later.all() else both[np.lexsort((b, a))]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.contact import CONTACT, approach
+from flowgmo.collision.contact import CONTACT, approach, relative_velocity
 from flowgmo.collision.sweep import KEPT
 from flowgmo.collision.touching import ALIKE, NEAR, is_same, touching_points
 from flowgmo.collision.tree import near_pairs
@@ -104,6 +104,13 @@ def approaches(contacts, responses, twists, out):
     """Normal velocities (m,) of contacts (m,), negative where they approach."""
     for c in range(contacts.size):
         out[c] = approach(contacts[c], responses, twists)
+
+
+@kernel
+def relative_velocities(contacts, responses, twists, out):
+    """Velocities (m, 3) of a's contact points relative to b's, of contacts (m,), with the centres of responses."""
+    for c in range(contacts.size):
+        put(out[c], relative_velocity(contacts[c], responses, twists))
 
 
 @kernel

@@ -66,10 +66,7 @@ def turning_slip(k, v, ee, mu):
         jammed = jammed or (compressing and not rising)
         dt = expand(c, k, y[U1], y[U2], y[V3], mu, unit)
         dt, turned, crossed, ended = first_event(c, dt, rising, compressing, due)
-        for row in range(c.shape[0]):
-            y[row] = value(c, row, dt)
-        for row in range(c.shape[0] - 3):
-            y[6 + row] += integral(c, row, dt)
+        advance(c, y, dt)
         due -= ee * y[W] if compressing else y[W]
         if turned:
             rising = not rising
@@ -117,24 +114,29 @@ def expand(c, k, v1, v2, v3, mu, unit):
     order = c.shape[1] - 1  # not ORDER: loops of known length are unrolled, a fifth more code to compile
     m = mu * unit
     for n in range(order + 1):
-        if n > 0:
-            square = 0.0
-            for j in range(n + 1):
-                square += c[U1, j] * c[U1, n - j] + c[U2, j] * c[U2, n - j]
-            for j in range(1, n):
-                square -= c[S, j] * c[S, n - j]
+        if n > 0:  # each product comes twice, but the middle one; the two of S_0 S_n are not known yet
+            square = 2.0 * (c[U1, 0] * c[U1, n] + c[U2, 0] * c[U2, n])
+            for j in range(1, (n + 1) // 2):
+                x, y, s = c[U1, j] * c[U1, n - j], c[U2, j] * c[U2, n - j], c[S, j] * c[S, n - j]
+                square += 2.0 * (x + y - s)
+            if n % 2 == 0:
+                x, y, s = c[U1, n // 2], c[U2, n // 2], c[S, n // 2]
+                square += x * x + y * y - s * s
             c[S, n] = half * square
         x, y, s = c[U1, n], c[U2, n], c[S, n]
         c[R, n] = unit * k[2] * s - m * (k[4] * x + k[5] * y)
         if n < order:
-            power = 0.0
-            for j in range(n + 1):
+            power, other = 0.0, 0.0  # two sums: the processor works on both at once
+            for j in range((n + 1) // 2):
                 power += c[S, j] * c[V3, n - j]
+                other += c[S, n - j] * c[V3, j]
+            if n % 2 == 0:
+                power += c[S, n // 2] * c[V3, n // 2]
             over = 1.0 / (n + 1.0)
             c[U1, n + 1] = over * (unit * k[4] * s - m * (k[0] * x + k[3] * y))
             c[U2, n + 1] = over * (unit * k[5] * s - m * (k[3] * x + k[1] * y))
             c[V3, n + 1] = over * c[R, n]
-            c[W, n + 1] = over * unit * power
+            c[W, n + 1] = over * unit * (power + other)
     s = EPS * c[S, 0]
     reach = 4.0  # decays by e^-4 at most: where the series end by themselves
     for n in range(order - 1, order + 1):
@@ -154,20 +156,31 @@ def value(c, row, x):
 
 
 @inner
-def integral(c, row, x):
-    """Integral of a row from 0 to x."""
-    y = 0.0
+def advance(c, y, x):
+    """The state after a step x: the rows at x, and their first three integrals added, all in one pass."""
+    u1, u2, s, v3, w = 0.0, 0.0, 0.0, 0.0, 0.0
+    p1, p2, p = 0.0, 0.0, 0.0
     for n in range(c.shape[1] - 1, -1, -1):
-        y = y * x + c[row, n] / (n + 1.0)
-    return y * x
+        over = 1.0 / (n + 1.0)
+        u1, p1 = u1 * x + c[U1, n], p1 * x + over * c[U1, n]
+        u2, p2 = u2 * x + c[U2, n], p2 * x + over * c[U2, n]
+        s, p = s * x + c[S, n], p * x + over * c[S, n]
+        v3, w = v3 * x + c[V3, n], w * x + c[W, n]
+    y[U1], y[U2], y[S], y[V3], y[W] = u1, u2, s, v3, w
+    y[6] += p1 * x
+    y[7] += p2 * x
+    y[8] += p * x
 
 
 @inner
 def root(c, row, hi, target):
     """Where the series of a row reaches target, between 0 and hi; Newton, bisected where it leaves the bracket."""
     lo = 0.0
-    up = value(c, row, hi) > target
-    x = 0.5 * hi
+    end = value(c, row, hi)
+    up = end > target
+    x = hi * (target - c[row, 0]) / (end - c[row, 0]) if end != c[row, 0] else 0.5 * hi
+    if not (lo < x < hi):
+        x = 0.5 * hi
     for _ in range(100):  # bisection alone takes 60
         y, slope = 0.0, 0.0
         for n in range(c.shape[1] - 1, -1, -1):

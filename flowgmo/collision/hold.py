@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena, cross, lengths
-from flowgmo.collision.gather import approaches, islands, no_contacts
+from flowgmo.collision.arena import Arena, dots, lengths
+from flowgmo.collision.gather import approaches, islands, no_contacts, relative_velocities
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.ledger import Ledger
 from flowgmo.collision.limits import FEATURE, Limits
@@ -43,12 +43,9 @@ STILL_PART = 1e-9  # of its reach: a party that moves less in a leg touches as i
 
 def relative(contacts: np.ndarray, arena: Arena, twists: np.ndarray) -> np.ndarray:
     """Velocities (m, 3) of a's contact points relative to b's, with the centres of arena.responses."""
-    total = np.zeros((len(contacts), 3))
-    for side, sign in (("a", 1.0), ("b", -1.0)):
-        party = contacts[side]
-        arm = contacts["point"] - arena.responses["centre"][party]
-        total += sign * (twists["v"][party] + cross(twists["w"][party], arm))
-    return total
+    out = np.empty((len(contacts), 3))
+    relative_velocities(contacts, arena.responses, twists, out)
+    return out
 
 
 class Holder:
@@ -65,22 +62,21 @@ class Holder:
         self.limits = Limits(arena)
         self.sweeps, self.solved, self.impossible = 0, 0, 0  # for the log: sweeps of all solutions, how many, in vain
         self.leg = np.inf  # length of the step [time]
+        self.fall = np.full(n, np.inf)  # time in which gravity moves a body by FALL [time]
+        falls = arena.movable == 1
+        if arena.gravity > 0.0:
+            self.fall[falls] = np.sqrt(2.0 * FALL * arena.reach[falls] / arena.gravity)
         self.tolerance = TOLERANCE
         self.unfinished = 0  # solutions that ended at the bound on sweeps
         self.worst = 0.0  # largest residual so far, for the log
 
     def longest_legs(self, contacts: np.ndarray) -> np.ndarray:
         """(m,) time that the two bodies of a contact may run on one path [time]: as far as they turn and fall."""
-        arena = self.arena
-        rate, reach = np.zeros(len(contacts)), np.full(len(contacts), np.inf)
-        for side in ("a", "b"):
-            party = contacts[side]
-            moves = arena.movable[party] == 1
-            rate = np.maximum(rate, np.where(moves, lengths(arena.motion["w"][party]), 0.0))
-            reach = np.where(moves, np.minimum(reach, arena.reach[party]), reach)
-        legs = np.full(len(contacts), np.inf)
-        np.divide(TURN, rate, out=legs, where=rate > 0.0)
-        return np.minimum(legs, np.sqrt(2.0 * FALL * reach / arena.gravity)) if arena.gravity > 0.0 else legs
+        rate = lengths(self.arena.motion["w"])
+        turns = (rate > 0.0) & (self.arena.movable == 1)
+        legs = self.fall.copy()  # of bodies
+        legs[turns] = np.minimum(legs[turns], TURN / rate[turns])
+        return np.minimum(legs[contacts["a"]], legs[contacts["b"]])
 
     def hold(self, contacts: np.ndarray, which: np.ndarray, now: float, end: float, busy: bool) -> np.ndarray:
         """Set the paths of the parties `which` from now to end under the contacts (m,) that may press them.
@@ -89,7 +85,7 @@ class Holder:
         All movable parties of the contacts are among `which`. Returns the contacts that stay, with their impulses.
         """
         arena = self.arena
-        parties = arena.parties_of(contacts, *which)
+        parties = arena.parties_of(contacts, which)
         self.limits.grip(parties, self._sides(contacts))  # what may be pressed counts as pressed at first
         arena.respond(parties)
         self.tolerance = BUSY_TOLERANCE if busy else TOLERANCE
@@ -103,7 +99,8 @@ class Holder:
             return no_contacts()
         contacts["impulse"] *= end - now  # from one leg to the next they carry forces: the first guess
         m = len(contacts)
-        contacts = np.concatenate([contacts, self.limits.contacts(arena.parties_of(contacts))])
+        if self.limits.any:
+            contacts = np.concatenate([contacts, self.limits.contacts(arena.parties_of(contacts))])
         label = np.empty(len(contacts), dtype=np.int64)
         islands(contacts, arena.movable, label)
         free = self.ends.copy()
@@ -193,7 +190,7 @@ class Holder:
         # the speed u now, so that (u - bias) leg / 2 = -gap
         leg = np.maximum(span, np.minimum(self.leg, self.longest_legs(contacts)))
         gap = np.maximum(contacts["gap"], 0.0)
-        closing = np.clip(2.0 * gap / leg + np.einsum("ki,ki->k", before, contacts["normal"]), 0.0, gap / leg)
+        closing = np.minimum(np.maximum(2.0 * gap / leg + dots(before, contacts["normal"]), 0.0), gap / leg)
         bias = closing[:, None] * contacts["normal"]
         middle = contacts.copy()
         moves = self._moves(contacts, label, span)
@@ -214,11 +211,9 @@ class Holder:
         """(m,) whether a party of a contact's island moves enough in the span to change where and how it touches."""
         arena = self.arena
         moves = np.zeros(len(contacts), dtype=bool)  # of islands, by their labels
-        for side in ("a", "b"):
-            party = contacts[side]
-            rows, reach = arena.motion[party], arena.finite_reach[party]
-            way = lengths(rows["v"]) + lengths(rows["w"]) * reach
-            np.logical_or.at(moves, label, way * span > STILL_PART * np.maximum(reach, 1e-300))
+        way = lengths(arena.motion["v"]) + lengths(arena.motion["w"]) * arena.finite_reach
+        far = way * span > STILL_PART * np.maximum(arena.finite_reach, 1e-300)
+        moves[label[far[contacts["a"]] | far[contacts["b"]]]] = True
         return moves[label]
 
     def _solve(self, contacts: np.ndarray, bias: np.ndarray) -> None:

@@ -105,8 +105,8 @@ def rough_impact(k, v, ee, mu):
         _, h, r = along_slip(k, v[0] / s, v[1] / s, mu)
         jammed = r < 0.0
         end = ON_RAY
-        # a turn by less than round-off: on a ray, but for round-off of h
-        if abs(h) > 32.0 * EPS * (mu * (k[0] + k[1]) + np.hypot(k[4], k[5])):
+        # on a ray, but for round-off of h: arms have that of places, 90 EPS for balls 10 radii from the origin
+        if abs(h) > 256.0 * EPS * (mu * (k[0] + k[1]) + np.hypot(k[4], k[5])):
             v, impulse, due, end, jammed, _ = turning_slip(k, v, ee, mu)
     gave_up = end == GAVE_UP
     if end == ON_RAY or gave_up:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena, cross
+from flowgmo.collision.arena import Arena, cross, joined
 from flowgmo.state import FROM_PRESCRIBED, LOST_IN_FRICTION
 
 #: One contact's leg: parties, start and length [time]; power lost and power given by drivers, at start and end.
@@ -40,7 +40,7 @@ class Ledger:
                 entries["lost"][:, k] -= power
                 driven = (self.arena.movable[party] == 0) & (party < n)
                 entries["driven"][:, k] -= np.where(driven, power, 0.0)
-        self.entries = np.concatenate([self.entries, entries])
+        self.entries = joined(self.entries, entries)
 
     def add_until(self, t: float, books: np.ndarray, which: np.ndarray | None = None) -> None:
         """Add to books (4,) what the legs (or those of `which`) have done by time t."""

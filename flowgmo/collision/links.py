@@ -139,11 +139,10 @@ def velocity(slots, link):
 
 
 @inner
-def natural_residual(links, slots, group, tolerance):
-    """How far a group is from a solution: r = k |p - clip(p - u/k)| [length/time], zero exactly at a solution.
+def reference_speed(links, group, tolerance):
+    """What residuals of a group are relative to: the largest free normal velocity, which all impulses come from.
 
-    Returns the largest r relative to the group's largest free normal velocity, which all impulses come from (but not to
-    less than round-off of k p and u permits to resolve at this tolerance), and the largest r.
+    But not less than round-off of k p and u permits to resolve at this tolerance.
     """
     free = 0.0
     size = 0.0
@@ -151,20 +150,40 @@ def natural_residual(links, slots, group, tolerance):
         link = links[c]
         free = max(free, abs(dot(triple(link.u0), triple(link.n))))
         size = max(size, link.k * norm(triple(link.p)), link.size)
-    free = max(free, ROUND_OFF / tolerance * size)
+    return max(free, ROUND_OFF / tolerance * size)
+
+
+@inner
+def natural_map(link, slots):
+    """k |p - clip(p - u/k)| of one contact [length/time], zero exactly at a solution."""
+    u = velocity(slots, link)
+    p = triple(link.p)
+    n = triple(link.n)
+    if link.k > 0.0:
+        z, _ = clip(sub(p, scale(1.0 / link.k, u)), n, link.mu)
+        return link.k * norm(sub(p, z))
+    return max(-dot(u, n), 0.0)
+
+
+@inner
+def natural_residual(links, slots, group, tolerance):
+    """How far a group is from a solution: the largest natural map relative to reference_speed, and as it is."""
+    free = reference_speed(links, group, tolerance)
     worst = 0.0
     for c in range(group.first, group.last):
-        link = links[c]
-        u = velocity(slots, link)
-        p = triple(link.p)
-        n = triple(link.n)
-        if link.k > 0.0:
-            z, _ = clip(sub(p, scale(1.0 / link.k, u)), n, link.mu)
-            r = link.k * norm(sub(p, z))
-        else:
-            r = max(-dot(u, n), 0.0)
-        worst = max(worst, r)
+        worst = max(worst, natural_map(links[c], slots))
     return worst / free if worst > 0.0 else 0.0, worst
+
+
+@inner
+def is_solved(links, slots, group, tolerance):
+    """Whether natural_residual is no more than the tolerance: the first contact that exceeds it tells."""
+    free = reference_speed(links, group, tolerance)
+    for c in range(group.first, group.last):
+        r = natural_map(links[c], slots)
+        if r > 0.0 and r / free > tolerance:
+            return False
+    return True
 
 
 @inner

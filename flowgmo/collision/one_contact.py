@@ -54,66 +54,89 @@ def sticking(kk, v):
 
 
 @inner
-def turn_of(theta, kn, v, ktt, mu):
-    """The polynomial at θ. kn: (K_nn, K_1n, K_2n), v: (v_n, v_1, v_2), ktt: (K_11, K_12, K_22)."""
-    c, s = np.cos(theta), np.sin(theta)
-    x = kn[1] + mu * (ktt[0] * c + ktt[1] * s)
-    y = kn[2] + mu * (ktt[1] * c + ktt[2] * s)
-    return (c * v[2] - s * v[1]) * (kn[0] + mu * (kn[1] * c + kn[2] * s)) - v[0] * (c * y - s * x)
+def polynomial(kn, v, ktt, mu):
+    """Coefficients of c, s, c², s², c s in the polynomial, c = cos θ, s = sin θ.
+
+    kn: (K_nn, K_1n, K_2n), v: (v_n, v_1, v_2), ktt: (K_11, K_12, K_22).
+    """
+    return (
+        v[2] * kn[0] - v[0] * kn[2],
+        v[0] * kn[1] - v[1] * kn[0],
+        mu * (v[2] * kn[1] - v[0] * ktt[1]),
+        mu * (v[0] * ktt[1] - v[1] * kn[2]),
+        mu * (v[2] * kn[2] - v[1] * kn[1] - v[0] * (ktt[2] - ktt[0])),
+    )
+
+
+@inner
+def turn_of(f, c, s):
+    """The polynomial with the coefficients f in the direction (c, s)."""
+    return (f[0] + f[2] * c + f[4] * s) * c + (f[1] + f[3] * s) * s
 
 
 @inner
 def sliding(kn, v, ktt, mu, samples):
-    """Least p_n and the angle of d of all sliding solutions; p_n = inf if there is none. Arguments as in turn_of."""
+    """Least p_n and d (c, s) of all sliding solutions; p_n = inf if there is none. Arguments as in polynomial."""
     best = np.inf
-    angle = 0.0
-    width = 2.0 * np.pi / samples
+    direction = (1.0, 0.0)
+    f = polynomial(kn, v, ktt, mu)
+    cw, sw = np.cos(2.0 * np.pi / samples), np.sin(2.0 * np.pi / samples)
     # the slip of a ball points along v_t: with the samples counted from there its root is not between two of them
-    origin = np.arctan2(-v[2], -v[1]) - 0.5 * width
-    before = turn_of(origin, kn, v, ktt, mu)
-    for k in range(samples):
-        lo = origin + k * width
-        after = turn_of(lo + width, kn, v, ktt, mu)
+    c, s = np.cos(np.pi / samples), -np.sin(np.pi / samples)
+    slip = np.sqrt(v[1] * v[1] + v[2] * v[2])
+    if slip > 0.0:
+        c, s = -(c * v[1] - s * v[2]) / slip, -(s * v[1] + c * v[2]) / slip
+    before = turn_of(f, c, s)
+    for _ in range(samples):
+        c1, s1 = c * cw - s * sw, s * cw + c * sw
+        after = turn_of(f, c1, s1)
         if (before <= 0.0) != (after <= 0.0):
-            theta = crossing(lo, lo + width, before, after, kn, v, ktt, mu)
-            c, s = np.cos(theta), np.sin(theta)
-            below = kn[0] + mu * (kn[1] * c + kn[2] * s)
+            d1, d2 = crossing(f, c, s, np.tan(np.pi / samples), before, after)
+            below = kn[0] + mu * (kn[1] * d1 + kn[2] * d2)
             if below > 0.0:
                 pn = -v[0] / below
-                x = v[1] + pn * (kn[1] + mu * (ktt[0] * c + ktt[1] * s))
-                y = v[2] + pn * (kn[2] + mu * (ktt[1] * c + ktt[2] * s))
-                if c * x + s * y <= 0.0 and pn < best:
+                x = v[1] + pn * (kn[1] + mu * (ktt[0] * d1 + ktt[1] * d2))
+                y = v[2] + pn * (kn[2] + mu * (ktt[1] * d1 + ktt[2] * d2))
+                if d1 * x + d2 * y <= 0.0 and pn < best:
                     best = pn
-                    angle = theta
-        before = after
-    return best, angle
+                    direction = (d1, d2)
+        c, s, before = c1, s1, after
+    return best, direction
 
 
 @inner
-def crossing(lo, hi, flo, fhi, kn, v, ktt, mu):
-    """Where the polynomial changes sign: false position, the kept side's value halved (Illinois)."""
-    theta = lo
+def crossing(f, c, s, hi, flo, fhi):
+    """The direction in which the polynomial changes sign: false position, the kept side's value halved (Illinois).
+
+    The unknown is τ = tan(φ/2), φ the angle from (c, s), between 0 and hi: no angle functions are needed.
+    """
+    lo = 0.0
+    d1, d2 = c, s
+    tau = lo
     side = 0
     for _ in range(TRIES):
-        theta = (lo * fhi - hi * flo) / (fhi - flo) if fhi != flo else 0.5 * (lo + hi)
-        f = turn_of(theta, kn, v, ktt, mu)
-        if f == 0.0 or abs(hi - lo) < 1e-15:  # rad: round-off of an angle
+        tau = (lo * fhi - hi * flo) / (fhi - flo) if fhi != flo else 0.5 * (lo + hi)
+        below = 1.0 / (1.0 + tau * tau)
+        cp, sp = (1.0 - tau * tau) * below, 2.0 * tau * below
+        d1, d2 = c * cp - s * sp, s * cp + c * sp
+        value = turn_of(f, d1, d2)
+        if value == 0.0 or abs(hi - lo) < 0.5e-15:  # half of a rad: round-off of an angle
             break
-        if (f <= 0.0) == (flo <= 0.0):
-            done = lo == theta
-            lo, flo = theta, f
+        if (value <= 0.0) == (flo <= 0.0):
+            done = lo == tau
+            lo, flo = tau, value
             if side == -1:
                 fhi *= 0.5
             side = -1
         else:
-            done = hi == theta
-            hi, fhi = theta, f
+            done = hi == tau
+            hi, fhi = tau, value
             if side == 1:
                 flo *= 0.5
             side = 1
         if done:
             break
-    return theta
+    return d1, d2
 
 
 @inner
@@ -138,11 +161,11 @@ def solve_one(kk, n, mu, v):
     kn = (knn, dot(kn, one), dot(kn, two))
     v = (vn, dot(v, one), dot(v, two))
     pn = np.inf
-    angle = 0.0
+    c, s = 1.0, 0.0
     for samples in (SAMPLES, FINE):
         if pn == np.inf:
-            pn, angle = sliding(kn, v, ktt, mu, samples)
+            pn, (c, s) = sliding(kn, v, ktt, mu, samples)
     if pn == np.inf:  # round-off at the edge of the cone
         return scale(-vn / knn, n)
-    d = add(scale(np.cos(angle), one), scale(np.sin(angle), two))
+    d = add(scale(c, one), scale(s, two))
     return scale(pn, add(n, scale(mu, d)))

@@ -33,6 +33,7 @@ from flowgmo.collision.links import (
     LINK,
     SLOT,
     guess,
+    is_solved,
     mass_unit,
     move,
     natural_residual,
@@ -70,12 +71,11 @@ def sweep(links, slots, group, backwards):
 @inner
 def sweep_until(links, slots, group, tolerance, most):
     """Sweeps forwards and backwards until the natural map holds; returns their number, relative residual, status."""
-    residual, _ = natural_residual(links, slots, group, tolerance)
     count = np.int64(0)
-    while count < most and residual > tolerance:
+    while count < most and not is_solved(links, slots, group, tolerance):
         sweep(links, slots, group, count % 2 == 1)
         count += 1
-        residual, _ = natural_residual(links, slots, group, tolerance)
+    residual, _ = natural_residual(links, slots, group, tolerance)
     return count, residual, CONVERGED if residual <= tolerance else TOO_MANY
 
 

@@ -19,13 +19,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.collision.contact import CONTACT
 from flowgmo.collision.persistent import solve
-from flowgmo.kernel import kernel
 
 
-@kernel
-def separate(contacts, depths, responses, shifts, tolerance, most):
+def separate(
+    contacts: np.ndarray, depths: np.ndarray, responses: np.ndarray, shifts: np.ndarray, tolerance: float, most: int
+) -> tuple[int, float, int]:
     """Displacements that remove overlaps.
 
     contacts (m,) CONTACT: read only; depths (m,) [length] > 0 to remove, 0 not to
@@ -33,18 +32,11 @@ def separate(contacts, depths, responses, shifts, tolerance, most):
     rotation [rad] in space axes, zero for immovable parties; most: bounds the sweeps of each group.
     Returns sweeps and Newton steps, residual relative to the largest depth of its group, status as solve does;
     where parties that cannot move leave no room (a crusher): IMPOSSIBLE, the overlap that stays is shared.
+    No kernel: one around `solve` would compile all of it once more.
     """
-    m = len(contacts)
-    rows = np.empty(m, CONTACT)
-    bias = np.empty((m, 3))
-    for c in range(m):
-        rows[c] = contacts[c]
-        rows[c].mu = 0.0
-        for k in range(3):
-            bias[c, k] = -depths[c] * rows[c].normal[k]
-            rows[c].impulse[k] = 0.0
-    for i in range(len(shifts)):
-        for k in range(3):
-            shifts[i].v[k] = 0.0
-            shifts[i].w[k] = 0.0
-    return solve(rows, bias, responses, shifts, tolerance, most)
+    rows = contacts.copy()
+    rows["mu"] = 0.0
+    rows["impulse"] = 0.0
+    shifts["v"] = 0.0
+    shifts["w"] = 0.0
+    return solve(rows, -depths[:, None] * rows["normal"], responses, shifts, tolerance, most)

@@ -105,11 +105,13 @@ def fill_slope(d, link, slots, stiff, convex):
 @inner
 def assemble(links, slots, group, matrix, stiff, convex):
     """Write the matrix 1 + sum Gᵀ ρ D G in bands, and what each contact was taken for."""
-    a, d, dg, reach = matrix.a, matrix.d, matrix.dg, matrix.reach
+    d, dg, reach = matrix.d, matrix.dg, matrix.reach
+    a = matrix.a.reshape(matrix.a.size)  # entry (i, j) is a[3 reach i + reach + j]
+    for i in range(a.size):
+        a[i] = 0.0
     for i in range(6 * (group.high - group.low)):
-        for j in range(3 * reach + 1):
-            a[i, j] = 0.0
-        a[i, reach] = 1.0
+        matrix.ends[i] = i
+        a[(3 * reach + 1) * i + reach] = 1.0
     for c in range(group.first, group.last):
         link = links[c]
         link.matrix = link.state
@@ -124,9 +126,10 @@ def assemble(links, slots, group, matrix, stiff, convex):
                         if row >= 0:
                             for q in range(6):
                                 i = 6 * (row - group.low) + q
-                                at = 6 * (col - group.low) - i + reach
+                                at = 3 * reach * i + reach + 6 * (col - group.low)
+                                matrix.ends[i] = max(matrix.ends[i], 6 * (col - group.low) + 5)
                                 for k in range(6):
-                                    a[i, at + k] += gr[0, q] * dg[0, k] + gr[1, q] * dg[1, k] + gr[2, q] * dg[2, k]
+                                    a[at + k] += gr[0, q] * dg[0, k] + gr[1, q] * dg[1, k] + gr[2, q] * dg[2, k]
 
 
 @inner
@@ -194,12 +197,12 @@ def proximal_step(links, slots, group, matrix, stiff, convex):
     while count < most and not done:
         if matrix.made[0] != stiff or not unchanged(links, group):
             assemble(links, slots, group, matrix, stiff, convex)
-            factor(matrix.a, n, matrix.reach, matrix.rows)
+            factor(matrix.a, n, matrix.reach, matrix.rows, matrix.ends)
             matrix.made[0] = stiff
         for s in range(group.low, group.high):
             for k in range(6):
                 matrix.x[6 * (s - group.low) + k] = slots[s].f[k]
-        substitute(matrix.a, n, matrix.reach, matrix.rows, matrix.x)
+        substitute(matrix.a, n, matrix.reach, matrix.rows, matrix.ends, matrix.x)
         square, merit = line_search(links, slots, group, matrix, merit, stiff, convex)
         count += 1
         enough = LOOSE / max(stiff, 1.0) * np.sqrt(first)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flowgmo.collision.arena import Arena, cross, lengths, records_of
+from flowgmo.collision.arena import Arena, cross, dots, lengths, records_of
 from flowgmo.collision.gather import KEPT, approaches, islands
 from flowgmo.collision.limits import mark_limits
 from flowgmo.collision.respond import set_all
@@ -132,7 +132,7 @@ class Striker:
     def _pull(self, group: np.ndarray) -> np.ndarray:
         """(k,) acceleration with which gravity presses each contact's sides together."""
         g = self.arena.pull
-        return -np.einsum("ki,ki->k", g[group["a"]] - g[group["b"]], group["normal"])
+        return -dots(g[group["a"]] - g[group["b"]], group["normal"])
 
     def _resolve(self, group: np.ndarray, t: float, books: np.ndarray) -> None:
         arena = self.arena

@@ -21,8 +21,8 @@ import numpy as np
 from flowgmo.collision.contact import CONTACT
 from flowgmo.collision.convex import separation, support_gap
 from flowgmo.collision.paths import motion_bounds, pose_at
-from flowgmo.collision.shapes import place
-from flowgmo.collision.touching import MOST_POINTS, NEAR, is_same, touching_points
+from flowgmo.collision.shapes import POINT, POLYTOPE, place
+from flowgmo.collision.touching import FEATURES, MOST_POINTS, NEAR, PIECES, is_same, touching_points
 from flowgmo.collision.tree import near_pairs
 from flowgmo.kernel import inner, kernel
 from flowgmo.vectors import dot, norm, quad, sub, triple
@@ -65,17 +65,17 @@ def look(sh, i, j, A, laws, M, P, T, t, hits):
 
 
 @inner
-def first_touch(sh, i, j, A, laws, M, P, bounds, T, now, end, target, hits):
-    """Time in [now, end) at which the gap of two pieces that are apart falls to `target`, and whether it is sure."""
+def first_touch(sh, i, j, A, laws, M, P, bounds, T, now, end, target, s, n, hits):
+    """Time in [now, end) at which the gap of two pieces that are apart falls to `target`, and whether it is sure.
+
+    s [length], n: gap and normal now; T: rows at `now`.
+    """
     a, b = sh.pieces[i].body, sh.pieces[j].body
     wa, _, ga = motion_bounds(A[a], M[a], P[a], bounds[a], end - P[a].t)
     wb, _, gb = motion_bounds(A[b], M[b], P[b], bounds[b], end - P[b].t)
     spin = _spin(sh.pieces[i], wa) + _spin(sh.pieces[j], wb)
     t = now
-    n = (0.0, 0.0, 0.0)
     for _ in range(MOST_NORMALS):
-        fi, fj = look(sh, i, j, A, laws, M, P, T, t, hits)
-        s, n, _, _, _ = separation(sh.pieces, sh.vertices, i, fi, j, fj, n)
         if s <= target:
             return t, True
         small = SHRUNK * s
@@ -89,7 +89,23 @@ def first_touch(sh, i, j, A, laws, M, P, bounds, T, now, end, target, hits):
             s = support_gap(sh.pieces, sh.vertices, i, fi, j, fj, n)
             if s <= small or s <= target:
                 break
+        s, n, _, _, _ = separation(sh.pieces, sh.vertices, i, fi, j, fj, n)
     return t, False
+
+
+@inner
+def stays_one(sh, i, j, held, first, last):
+    """Whether two pieces have one contact point at most, and it is among the held contacts first .. last - 1.
+
+    Then none can come to them. So it is with balls on all but polytopes.
+    """
+    one, two = sh.pieces[i].kind, sh.pieces[j].kind
+    if min(one, two) != POINT or max(one, two) == POLYTOPE:
+        return False
+    for c in range(first, last):
+        if held[c].feature // FEATURES == i * PIECES + j:
+            return True
+    return False
 
 
 @inner
@@ -203,19 +219,24 @@ def next_events(sh, pairs, count, A, laws, M, P, bounds, T, now, end, touch, hel
         best = end
         for m in range(min(many, room.shape[0])):
             i, j = room[m, 0], room[m, 1]
-            fi, fj = look(sh, i, j, A, laws, M, P, T, now, hits)
-            s, _, _, _, _ = separation(sh.pieces, sh.vertices, i, fi, j, fj, (0.0, 0.0, 0.0))
+            if m > 0:  # another pair of pieces has left the rows T at another time
+                look(sh, i, j, A, laws, M, P, T, now, hits)
+            fi = place(sh.pieces[i], triple(T[a].p), quad(T[a].q))
+            fj = place(sh.pieces[j], triple(T[b].p), quad(T[b].q))
+            s, n, _, _, _ = separation(sh.pieces, sh.vertices, i, fi, j, fj, (0.0, 0.0, 0.0))
             good = True
             near = touch[a, b]
             if first_held[k, 1] > first_held[k, 0]:
                 near += KEPT * min(sh.pieces[i].reach, sh.pieces[j].reach)  # held, with a gap that drift has left
             if s <= near:
+                if stays_one(sh, i, j, held, first_held[k, 0], first_held[k, 1]):
+                    continue
                 t = next_arrival(
                     sh, i, j, A, laws, M, P, bounds, T, now, best, touch[a, b], held, first_held[k, 0],
                     first_held[k, 1], points, hits,
                 )  # fmt: skip
             else:
-                t, good = first_touch(sh, i, j, A, laws, M, P, bounds, T, now, best, touch[a, b], hits)
+                t, good = first_touch(sh, i, j, A, laws, M, P, bounds, T, now, best, touch[a, b], s, n, hits)
             if t < best:
                 best = t
                 times[k] = t

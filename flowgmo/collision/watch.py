@@ -61,13 +61,14 @@ class Watch:
     def touching_now(self, held: np.ndarray, met: np.ndarray) -> np.ndarray:
         """Contacts of the pairs in `held` and of the pairs met (k, 2)."""
         pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), met])
-        return self._gather(np.unique(pairs, axis=0), held, met, slack=SLACK)
+        return self._gather(self._once(pairs), held, met, slack=SLACK)
 
     def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), their places in m (k,)."""
-        pairs = np.unique(np.stack([contacts["a"], contacts["b"]], 1), axis=0)
         order = np.lexsort((contacts["b"], contacts["a"]))
-        found = self._gather(pairs, contacts[order], rows=rows)
+        contacts = contacts[order]
+        pairs = self._once(np.stack([contacts["a"], contacts["b"]], 1))
+        found = self._gather(pairs, contacts, rows=rows)
         found = found[found["fresh"] == 0]
         _, first = np.unique(found["regime"], return_index=True)  # where two are the same contact: the first
         return found[first], order[found["regime"][first]]
@@ -113,7 +114,15 @@ class Watch:
 
     def forget(self, met: np.ndarray) -> None:
         """Pairs met (k, 2) have no more events in this leg."""
-        self.times[(self.pairs[:, None, :] == met[None, :, :]).all(axis=2).any(axis=1)] = NEVER
+        for a, b in met:
+            self.times[(self.pairs[:, 0] == a) & (self.pairs[:, 1] == b)] = NEVER
+
+    def _once(self, pairs: np.ndarray) -> np.ndarray:
+        """Pairs (k, 2), sorted, each once."""
+        n = len(self.boxes)
+        keys = np.sort(pairs[:, 0] * n + pairs[:, 1])
+        keys = keys[np.diff(keys, prepend=-1) > 0]
+        return np.stack([keys // n, keys % n], 1)
 
     def _boxes(self, which: np.ndarray, sweep: float) -> None:
         a = self.arena
@@ -187,4 +196,6 @@ class Watch:
         n = len(self.arena.bodies)
         keys = held["a"] * n + held["b"]
         wanted = pairs[:, 0] * n + pairs[:, 1]
-        return np.stack([np.searchsorted(keys, wanted, "left"), np.searchsorted(keys, wanted, "right")], 1)
+        first = np.empty((len(pairs), 2), dtype=np.int64)
+        first[:, 0], first[:, 1] = keys.searchsorted(wanted, "left"), keys.searchsorted(wanted, "right")
+        return first

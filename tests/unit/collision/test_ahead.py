@@ -6,7 +6,6 @@ from flowgmo_scenes import Scene, deck, solid
 from flowgmo.collision import ahead
 from flowgmo.collision.clusters import resolve
 from flowgmo.collision.persistent import solve
-from flowgmo.collision.positions import separate
 from flowgmo.collision.single import strike_exactly
 
 
@@ -23,7 +22,7 @@ def test_kernels_compiled_ahead_are_those_a_scene_calls():
     s = Scene(deck(*blocks, floor, lo=(-1, -1, -1), hi=(1, 1, 1), g=(0, 0, -9.81), e=0.2, mu=0.3))
     s.to(0.5, 0.005)
     assert len(s.state.held_parts) > 4 and len(s.impacts) > 4
-    for kernel in (solve, resolve, separate, strike_exactly):
+    for kernel in (solve, resolve, strike_exactly):
         assert len(kernel.signatures) == 1, kernel
 
 
