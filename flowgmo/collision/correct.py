@@ -1,9 +1,9 @@
-"""Overlaps that drift has left are taken away by small shifts that do not touch velocities: no kinetic energy comes in.
+"""Overlaps taken away by small shifts that do not touch velocities: no kinetic energy comes in.
 
-A shift lifts a body, or turns it, and so changes its energy all the same. It is what the path of constant forces lacks,
-h³ v'' / 12 a leg of length h: the contact forces do work on the way into the overlap, and the shift back is the rest of
-it. Both are booked as what contact forces take (`dissipated`); `given` says how much the shifts alone gave, which
-falls with h².
+The paths of held bodies end without overlap (landing.py); shifts are for what that leaves: hinges and stops, legs that
+events cut, new points of contact, crowds. A shift lifts a body, or turns it, and so changes its energy all the same: it
+is booked as what contact forces take (`dissipated`), and PATH.debt: the paths that follow pay it back where they can.
+`given` says how much the shifts alone gave, which falls with h².
 """
 
 from __future__ import annotations
@@ -47,9 +47,10 @@ class Corrector:
         parties = parties[arena.movable[parties] == 1]
         before = self._energy(parties)
         shift_all(parties, arena.bodies, arena.motion, arena.responses, shifts)
-        gained = float((self._energy(parties) - before).sum())
-        self.given += gained
-        books[LOST_IN_FRICTION] -= gained
+        gained = self._energy(parties) - before
+        arena.paths["debt"][parties] += gained
+        self.given += float(gained.sum())
+        books[LOST_IN_FRICTION] -= float(gained.sum())
         contacts = contacts.copy()
         contacts["gap"] += depths
         return contacts

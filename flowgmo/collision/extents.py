@@ -47,7 +47,7 @@ def _course(body, row, path, bound, sweep):
     """Mean acceleration of B (triple) to follow, and how far B may be from the chord of that path [length]."""
     if path.mode == HELD and body.hinge == 0:
         mean = triple(path.acc)
-        return mean, 0.125 * norm(mean) * sweep * sweep
+        return mean, 0.125 * norm(mean) * sweep * sweep + norm(triple(path.lift)) * (path.span > 0.0)
     if path.mode == FREE and body.motion == BALLISTIC:
         mean = triple(body.gravity)
         return mean, 0.125 * norm(mean) * sweep * sweep

@@ -88,7 +88,7 @@ class GridWatch:
                 contact["fresh"], contact["age"] = 0, held["age"][nearest]
                 contact["impulse"] = held["impulse"][nearest]
 
-    def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def again(self, contacts: np.ndarray, rows: np.ndarray, wider: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """Contacts at other poses: the mesh does not see them move."""
         return contacts[:0], np.zeros(0, dtype=np.int64)
 

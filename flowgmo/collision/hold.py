@@ -6,10 +6,12 @@
 
 Normals and arms are those of the middle of the leg, found from the velocities at its start. The law is applied to
 
-    J_mid v(end) + (J_mid - J_start) v(start)       J: velocity of a's contact point relative to b's
+    J_mid v(end) + (J_mid - J_start) v(start) + n_mid (n_mid - n_start) · J_start v(start)
 
-which is the velocity at the end with the normals and arms of the end, to second order: a point that was at rest on the
-other body at the start is so at the end, and a body that turns about an edge does not drift off it by h² per leg.
+J: velocity of a's contact point relative to b's. It is the velocity at the end with the normals and arms of the end,
+to second order: a point that was at rest on the other body at the start is so at the end, a body that turns about an
+edge does not drift off it by h² per leg, nor does one that slides on a surface that turns (the last term). What is left
+of it, h³, landing.py takes away.
 
 Work of an impulse p over the leg is p · (u(start) + u(end)) / 2 with u the velocity at the contact: exact for
 velocities linear in time.
@@ -22,6 +24,7 @@ import numpy as np
 from flowgmo.collision.arena import Arena, dots, lengths
 from flowgmo.collision.gather import approaches, islands, no_contacts, relative_velocities
 from flowgmo.collision.grid_watch import GridWatch
+from flowgmo.collision.landing import Landing
 from flowgmo.collision.ledger import Ledger
 from flowgmo.collision.limits import FEATURE, Limits
 from flowgmo.collision.persistent import IMPOSSIBLE, TOO_MANY, solve
@@ -36,6 +39,11 @@ MOST_SWEEPS = 300
 PARTING = 1e-9  # of an island's largest change of normal speed in the leg: a smaller speed is round-off of the solution
 
 
+SOON = 1e-4  # of g h²: a gap that closes within 1.4 % of the leg h, and so decides nothing about who carries how much
+# of such a gap, a leg: g' = g - (3/10 g before + 3/10 g)/2 goes to zero without overshoot (x² - .85 x + .15 has real
+# roots). As it is linear, gaps under one face, which fit each other, ask for velocities that fit each other
+CLOSING = 0.3
+COASTED = TURN**2 / 8.0  # of the reach: ½ ω v (h/2)² at most, with v no more than ω times the reach
 SMALL_TURN = 1e-6  # of the change of turning, a hundredth of what TURN leaves: not worth a second solution
 STILL_SPEED = 3.0  # of tolerance times g h: what several contacts' tolerances may add up to
 STILL_PART = 1e-9  # of its reach: a party that moves less in a leg touches as it did
@@ -60,6 +68,7 @@ class Holder:
         self.hits = np.zeros((0, 7))
         self.ledger = Ledger(arena)
         self.limits = Limits(arena)
+        self.landing = Landing(arena, watch)
         self.sweeps, self.solved, self.impossible = 0, 0, 0  # for the log: sweeps of all solutions, how many, in vain
         self.leg = np.inf  # length of the step [time]
         self.fall = np.full(n, np.inf)  # time in which gravity moves a body by FALL [time]
@@ -108,8 +117,16 @@ class Holder:
         contacts, middle, label = contacts[:m], middle[:m], label[:m]
         pressed = self._sides(contacts[lengths(contacts["impulse"]) > 0.0])
         self.limits.grip(parties, pressed)
+        self.landing.forget(parties)
         set_paths(parties, pressed, arena.bodies, arena.motion, arena.paths, self.ends, now, end)
-        return self._staying(contacts, middle, label, start, free, now, end)
+        moves = self._moves(contacts, label, end - now)
+        due = np.zeros((len(contacts), 2))
+        if moves.any() and not busy:
+            due[moves] = self.landing.land(
+                contacts[moves], middle[moves], label[moves], start, self.ends, pressed, now, end
+            )  # fmt: skip
+        arena.paths["excess"][parties] = arena.paths["debt"][parties] = 0.0
+        return self._staying(contacts, middle, label, start, free, due, now, end)
 
     def _sides(self, contacts: np.ndarray) -> np.ndarray:
         """(n+6,) 1 for the movable parties of contacts (m,)."""
@@ -190,7 +207,8 @@ class Holder:
         # the speed u now, so that (u - bias) leg / 2 = -gap
         leg = np.maximum(span, np.minimum(self.leg, self.longest_legs(contacts)))
         gap = np.maximum(contacts["gap"], 0.0)
-        closing = np.minimum(np.maximum(2.0 * gap / leg + dots(before, contacts["normal"]), 0.0), gap / leg)
+        closing = np.clip(2.0 * gap / leg + dots(before, contacts["normal"]), 0.0, gap / leg)
+        closing = np.where(gap <= SOON * arena.gravity * leg**2, CLOSING * gap / leg, closing)
         bias = closing[:, None] * contacts["normal"]
         middle = contacts.copy()
         moves = self._moves(contacts, label, span)
@@ -199,12 +217,18 @@ class Holder:
         parties = arena.parties_of(contacts[moves])
         moves &= contacts["feature"] != FEATURE
         coast(parties, arena.bodies, arena.motion, arena.paths, arena.laws, 0.5 * span, arena.spare, self.hits)
-        there, found = self.watch.again(contacts[moves], arena.spare)
+        place = np.flatnonzero(moves)
+        there, found = self.watch.again(contacts[place], arena.spare)
+        middle[place[found]] = there
+        if len(found) < len(place):  # bodies that coast for half a leg leave what they slide or roll round on
+            place = np.delete(place, found)
+            there, found = self.watch.again(contacts[place], arena.spare, wider=COASTED)
+            middle[place[found]] = there
         arena.respond(parties, arena.spare)
-        middle[np.flatnonzero(moves)[found]] = there
         middle["impulse"], middle["e"], middle["mu"] = contacts["impulse"], contacts["e"], contacts["mu"]
         self.limits.place(middle)
-        bias += relative(middle, arena, start) - before
+        turned = np.einsum("ki,ki->k", middle["normal"] - contacts["normal"], before)
+        bias += relative(middle, arena, start) - before + turned[:, None] * middle["normal"]
         return middle, bias
 
     def _moves(self, contacts: np.ndarray, label: np.ndarray, span: float) -> np.ndarray:
@@ -227,9 +251,12 @@ class Holder:
 
     def _staying(
         self, contacts: np.ndarray, middle: np.ndarray, label: np.ndarray, start: np.ndarray, free: np.ndarray,
-        now: float, end: float,
+        due: np.ndarray, now: float, end: float,
     ) -> np.ndarray:  # fmt: skip
-        """The contacts that push, or touch without parting; their work goes to the ledger. free: ends without them."""
+        """The contacts that push, or touch without parting; their work goes to the ledger.
+
+        free: ends without them; due (m, 2): power that they take by right.
+        """
         arena = self.arena
         before, after = np.empty(len(contacts)), np.empty(len(contacts))
         approaches(middle, arena.responses, start, before)
@@ -245,5 +272,5 @@ class Holder:
         held["fresh"] = 0
         held["age"] += end - now
         held["impulse"] /= end - now
-        self.ledger.open(middle[stays], start, self.ends, now, end)
+        self.ledger.open(middle[stays], due[stays], start, self.ends, now, end)
         return held

@@ -1,8 +1,10 @@
 """The work of contact forces over legs that may be cut short: booked when a leg ends, read off at any time before.
 
-A contact that pushes with the impulse p over a leg of length h gives a's side the power p·u_a / h, b's -p·u_b / h. With
-u linear in time its work until dt is (p/h)·(u(0) dt + (u(h) - u(0)) dt²/(2h)). What both sides together lose is
-friction's; what a driven side gives is the driver's work.
+What contacts take from bodies that an impulse moves is booked with their paths (paths.py). Here is what the others
+give: a contact that pushes a driven body with the impulse p over a leg of length h takes the power p·u/h from its
+driver, with u linear in time (p/h)·(u(0) dt + (u(h) - u(0)) dt²/(2h)) until dt. What the movable side does not get of
+it is lost. `due`, likewise linear, is what contacts take by right (accounts.py): until a leg is cut it goes to
+PATH.excess.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from flowgmo.state import FROM_PRESCRIBED, LOST_IN_FRICTION
 
 #: One contact's leg: parties, start and length [time]; power lost and power given by drivers, at start and end.
 ENTRY = np.dtype(
-    [("a", "i8"), ("b", "i8"), ("t", "f8"), ("span", "f8"), ("lost", "f8", 2), ("driven", "f8", 2), ("force", "f8", 3)]
+    [("a", "i8"), ("b", "i8"), ("t", "f8"), ("span", "f8"), ("driven", "f8", 2), ("due", "f8", 2), ("force", "f8", 3)]
 )
 
 
@@ -25,11 +27,13 @@ class Ledger:
         self.arena = arena
         self.entries = np.zeros(0, ENTRY)
 
-    def open(self, held: np.ndarray, start: np.ndarray, ends: np.ndarray, now: float, end: float) -> None:
+    def open(
+        self, held: np.ndarray, due: np.ndarray, start: np.ndarray, ends: np.ndarray, now: float, end: float
+    ) -> None:
         """Add contacts (m,) with their impulses over [now, end]; start, ends (n,): twists then."""
         entries = np.zeros(len(held), ENTRY)
         entries["a"], entries["b"], entries["t"], entries["span"] = held["a"], held["b"], now, end - now
-        entries["force"] = held["impulse"] / (end - now)
+        entries["force"], entries["due"] = held["impulse"] / (end - now), due
         n = self.arena.n
         for k, twists in enumerate((start, ends)):
             for side, sign in (("a", 1.0), ("b", -1.0)):
@@ -37,7 +41,6 @@ class Ledger:
                 arm = held["point"] - self.arena.responses["centre"][party]
                 u = twists["v"][party] + cross(twists["w"][party], arm)
                 power = sign * np.einsum("ki,ki->k", entries["force"], u)
-                entries["lost"][:, k] -= power
                 driven = (self.arena.movable[party] == 0) & (party < n)
                 entries["driven"][:, k] -= np.where(driven, power, 0.0)
         self.entries = joined(self.entries, entries)
@@ -47,10 +50,9 @@ class Ledger:
         entries = self.entries if which is None else self.entries[which]
         if not len(entries):
             return
-        dt = np.clip(t - entries["t"], 0.0, entries["span"])
-        for name, place in (("lost", LOST_IN_FRICTION), ("driven", FROM_PRESCRIBED)):
-            first, last = entries[name].T
-            books[place] += float(np.sum(dt * (first + 0.5 * (last - first) * dt / entries["span"])))
+        given = float(_work(entries, "driven", t).sum())
+        books[FROM_PRESCRIBED] += given
+        books[LOST_IN_FRICTION] += given
 
     def close(self, t: float, books: np.ndarray, bodies: np.ndarray | None = None) -> None:
         """Book and forget the legs that end at t: all, or those of the bodies marked 1 in `bodies` (n+6,)."""
@@ -58,6 +60,9 @@ class Ledger:
         if bodies is not None:
             which = (bodies[self.entries["a"]] | bodies[self.entries["b"]]) == 1
         self.add_until(t, books, which)
+        done, movable = self.entries[which], self.arena.movable
+        party = np.where(movable[done["a"]] == 1, done["a"], done["b"])
+        np.add.at(self.arena.paths["excess"], party, _work(done, "due", t))
         self.entries = self.entries[~which]
 
     def forces(self) -> np.ndarray:
@@ -66,3 +71,10 @@ class Ledger:
         np.add.at(out, self.entries["a"], self.entries["force"])
         np.subtract.at(out, self.entries["b"], self.entries["force"])
         return out[: self.arena.n]
+
+
+def _work(entries: np.ndarray, name: str, t: float) -> np.ndarray:
+    """(m,) work by time t of powers that are linear in time."""
+    dt = np.clip(t - entries["t"], 0.0, entries["span"])
+    first, last = entries[name].T
+    return dt * (first + 0.5 * (last - first) * dt / entries["span"])

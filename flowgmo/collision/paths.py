@@ -8,9 +8,17 @@
 A row of POSE stands at the start of its path, PATH.t.
 
 Constant forces with v linear in time are the trapezoidal rule: if a contact does not approach at the start and at the
-end, it does not in between (as far as its normal keeps its direction), a body that slides straight is exact, and the
-work of a contact impulse is its product with the mean of the velocities before and after. What control loads and drives
-give on a HELD path is Simpson's sum of their power: exact for constant forces, of third order else, like the path.
+end, it does not in between (as far as its normal keeps its direction), and a body that slides straight is exact. Where
+contacts turn, the end of such a path is beside the surfaces by a part of third order. landing.py finds the small
+displacement d (of the centre; likewise a rotation) that brings it there, and the place gets it as
+
+    d (3 s² - 2 s³),   s = t/h
+
+so that nothing jumps. It is no motion: the velocity v0 + a t knows nothing of it, nor does kinetic energy, also where
+an event cuts the path half way. The turn is made after that of constant acceleration, so that it ends where it should.
+
+What the contacts take from a body on a HELD path is what it loses and neither gravity, loads nor drives explain: the
+books close at every time. What loads and drives give is Simpson's sum of their power: exact for constant forces.
 """
 
 from __future__ import annotations
@@ -23,12 +31,46 @@ from flowgmo.bodies.equations import accelerations, hinge_acceleration
 from flowgmo.bodies.motion import fly
 from flowgmo.bodies.stops import first_crossing
 from flowgmo.kernel import inner, kernel
-from flowgmo.vectors import add, along, cross, dot, norm, put, put4, quad, rotate, triple, turned_linearly, unrotate
+from flowgmo.vectors import (
+    add,
+    along,
+    cross,
+    dot,
+    norm,
+    put,
+    put4,
+    quad,
+    rotate,
+    scale,
+    sub,
+    times,
+    triple,
+    turned,
+    turned_linearly,
+    unrotate,
+)
 
 FREE, HELD, ASLEEP = 0, 1, 2
-FROM_PRESCRIBED, FROM_LOADS = 2, 3  # places in State.books
-#: One body's path: its start t [time], mode, acceleration of B, angular acceleration; force: mean of the contacts.
-PATH = np.dtype([("t", "f8"), ("mode", "i8"), ("acc", "f8", 3), ("alp", "f8", 3), ("force", "f8", 3)], align=True)
+LOST_IN_FRICTION, FROM_PRESCRIBED, FROM_LOADS = 1, 2, 3  # places in State.books
+#: One body's path: its start t [time], mode, acceleration of B, angular acceleration; force: mean of the contacts;
+#: lift, twist: displacement and rotation d (module) of a path that began [time] and had the length span [time];
+#: excess, debt [energy]: won so far beyond what contacts take by right, and by a shift before the path (landing.py).
+PATH = np.dtype(
+    [
+        ("t", "f8"),
+        ("mode", "i8"),
+        ("acc", "f8", 3),
+        ("alp", "f8", 3),
+        ("force", "f8", 3),
+        ("lift", "f8", 3),
+        ("twist", "f8", 3),
+        ("began", "f8"),
+        ("span", "f8"),
+        ("excess", "f8"),
+        ("debt", "f8"),
+    ],
+    align=True,
+)
 #: One stop: body, component (0 1 2, 3 the angle), side (1: hi, -1: lo).
 STOP = np.dtype([("body", "i8"), ("k", "i8"), ("side", "i8")], align=True)
 
@@ -79,18 +121,64 @@ def _run_held(body, row, path, dt):
     v, acc = triple(row.v), triple(path.acc)
     put(row.p, along(along(triple(row.p), dt, v), 0.5 * dt * dt, acc))
     put(row.v, along(v, dt, acc))
+    if path.span > 0.0:
+        part = _part(path, path.t + dt) - _part(path, path.t)
+        put(row.p, along(triple(row.p), part, triple(path.lift)))
+        put4(row.q, turned(quad(row.q), scale(part, triple(path.twist))))
 
 
 @inner
-def book_loads(body, row, path, laws, books, t):
-    """Add to books (4,) what control loads and drives give a body on its HELD path until time t; row: its start."""
+def _part(path, t):
+    """Part of the displacement of a path that is made by time t: 3 s² - 2 s³."""
+    s = (t - path.began) / path.span
+    return s * s * (3.0 - 2.0 * s)
+
+
+@inner
+def drift(path):
+    """Bounds on the speeds [length/time, rad/time] of a path's displacement, which is no part of the velocities."""
+    if path.mode != HELD or path.span == 0.0:
+        return 0.0, 0.0
+    fastest = 1.5 / path.span  # of 3 s² - 2 s³, half way
+    return fastest * norm(triple(path.lift)), fastest * norm(triple(path.twist))
+
+
+@inner
+def run_and_book(body, row, path, laws, books, t, hits):
+    """run_path, and books (4,): what the loads and drives of a HELD path give, and what its contacts take (module)."""
+    if path.mode != HELD or t <= path.t:
+        return run_path(body, row, path, laws, books, t, hits)
+    loads, drives = _given(body, row, path, laws, t)
+    before, place = kinetic(body, row), triple(row.p)
+    found = run_path(body, row, path, laws, books, t, hits)
+    gained = kinetic(body, row) - before - body.mass * dot(body.gravity, sub(triple(row.p), place))
+    books[FROM_LOADS] += loads
+    books[FROM_PRESCRIBED] += drives
+    books[LOST_IN_FRICTION] += loads + drives - gained
+    return found
+
+
+@inner
+def kinetic(body, row):
+    """Kinetic energy of a body: ½ m v² + ½ w·I w, ½ J θ'² about a fixed axis."""
+    if body.hinge == 1:
+        return 0.5 * body.hinge_moment * dot(row.w, row.w)
+    w = unrotate(quad(row.q), triple(row.w))
+    return 0.5 * (body.mass * dot(row.v, row.v) + dot(w, times(body.inertia, w)))
+
+
+@inner
+def _given(body, row, path, laws, t):
+    """Work of control loads and of drives on a HELD path from its start, where the row stands, to time t: Simpson."""
     dt = t - path.t
-    if laws is not None and path.mode == HELD and dt > 0.0 and (body.motion == FORCED or body.motion == HINGED):
+    loads, drives = 0.0, 0.0
+    if laws is not None and (body.motion == FORCED or body.motion == HINGED):
         for k in range(3):  # Simpson's weights 1 4 1
             weight = dt * (4.0 if k == 1 else 1.0) / 6.0
-            loads, drives = _powers(body, row, path, laws, laws.hinged, laws.forced, 0.5 * k * dt)
-            books[FROM_LOADS] += weight * loads
-            books[FROM_PRESCRIBED] += weight * drives
+            load, drive = _powers(body, row, path, laws, laws.hinged, laws.forced, 0.5 * k * dt)
+            loads += weight * load
+            drives += weight * drive
+    return loads, drives
 
 
 @inner
@@ -130,8 +218,9 @@ def bring(which, A, M, P, laws, books, t, hits, hit_body):
     found = np.int64(0)
     for k in range(which.size):
         b = which[k]
-        book_loads(A[b], M[b], P[b], laws, books, t)
-        n = run_path(A[b], M[b], P[b], laws, books, t, hits[found:])
+        lost = books[LOST_IN_FRICTION]
+        n = run_and_book(A[b], M[b], P[b], laws, books, t, hits[found:])
+        P[b].excess += lost - books[LOST_IN_FRICTION]
         if n < 0:
             return found, b
         for j in range(found, min(found + n, hits.shape[0])):
@@ -147,13 +236,14 @@ def poses_at(which, A, M, P, laws, t, out, books, hits):
     for k in range(which.size):
         b = which[k]
         copy_pose(out[b], M[b])
-        book_loads(A[b], M[b], P[b], laws, books, t)
-        run_path(A[b], out[b], P[b], laws, books, t, hits)
+        run_and_book(A[b], out[b], P[b], laws, books, t, hits)
 
 
 @inner
 def motion_bounds(body, row, path, bound, span):
     """Bounds over the coming span [time]: |ω|, |dω/dt|, |acceleration of B| of a body at the start of its path.
+
+    |ω| has the turning of the displacement in it; its translation is besides (drift).
 
     Where a body was lately brought to a later time of its path, its row is the state then, and span counts from it.
     """
@@ -162,7 +252,7 @@ def motion_bounds(body, row, path, bound, span):
     rate = norm(triple(row.w))
     if path.mode == HELD:
         alpha = norm(triple(path.alp))
-        rate += alpha * span
+        rate += alpha * span + drift(path)[1]
         lever = 0.0
         if body.hinge > 0:
             lever = norm(triple(body.arm))

@@ -20,7 +20,7 @@ import numpy as np
 
 from flowgmo.collision.contact import CONTACT
 from flowgmo.collision.convex import separation, support_gap
-from flowgmo.collision.paths import motion_bounds, pose_at
+from flowgmo.collision.paths import drift, motion_bounds, pose_at
 from flowgmo.collision.shapes import POINT, POLYTOPE, place
 from flowgmo.collision.touching import FEATURES, MOST_POINTS, NEAR, PIECES, is_same, touching_points
 from flowgmo.collision.tree import near_pairs
@@ -73,7 +73,7 @@ def first_touch(sh, i, j, A, laws, M, P, bounds, T, now, end, target, s, n, hits
     a, b = sh.pieces[i].body, sh.pieces[j].body
     wa, _, ga = motion_bounds(A[a], M[a], P[a], bounds[a], end - P[a].t)
     wb, _, gb = motion_bounds(A[b], M[b], P[b], bounds[b], end - P[b].t)
-    spin = _spin(sh.pieces[i], wa) + _spin(sh.pieces[j], wb)
+    spin = _spin(sh.pieces[i], wa) + _spin(sh.pieces[j], wb) + drift(P[a])[0] + drift(P[b])[0]
     t = now
     for _ in range(MOST_NORMALS):
         if s <= target:
@@ -143,7 +143,7 @@ def next_arrival(sh, i, j, A, laws, M, P, bounds, T, now, end, target, held, fir
     wb, _, gb = motion_bounds(A[b], M[b], P[b], bounds[b], end - P[b].t)
     size = min(sh.pieces[i].reach, sh.pieces[j].reach)
     way = norm(sub(triple(T[a].v), triple(T[b].v))) + (ga + gb) * span  # T: rows at `now`
-    way += _spin(sh.pieces[i], wa) + _spin(sh.pieces[j], wb)
+    way += _spin(sh.pieces[i], wa) + _spin(sh.pieces[j], wb) + drift(P[a])[0] + drift(P[b])[0]
     looks = int(min(max(np.ceil(way * span / (TRAVEL * size)), 1.0), 1.0 * MOST_LOOKS))
     gap, n = _new_gap(sh, i, j, A, laws, M, P, T, now, (0.0, 0.0, 0.0), target, held, first, last, points, hits)
     level = min(gap, 0.0)  # where a point that drift has left overlapping is opening, it counts from there
@@ -250,5 +250,5 @@ def _way(sh, a, b, A, T, P, bounds, now, end):
     span = end - now
     _, _, ga = motion_bounds(A[a], T[a], P[a], bounds[a], span)
     _, _, gb = motion_bounds(A[b], T[b], P[b], bounds[b], span)
-    speed = norm(sub(triple(T[a].v), triple(T[b].v)))
+    speed = norm(sub(triple(T[a].v), triple(T[b].v))) + drift(P[a])[0] + drift(P[b])[0]
     return (speed + 0.5 * (ga + gb) * span) * span

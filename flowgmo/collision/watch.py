@@ -63,12 +63,15 @@ class Watch:
         pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), met])
         return self._gather(self._once(pairs), held, met, slack=SLACK)
 
-    def again(self, contacts: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), their places in m (k,)."""
+    def again(self, contacts: np.ndarray, rows: np.ndarray, wider: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+        """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), their places in m (k,).
+
+        wider: part of a party's reach that a gap may be wider than otherwise.
+        """
         order = np.lexsort((contacts["b"], contacts["a"]))
         contacts = contacts[order]
         pairs = self._once(np.stack([contacts["a"], contacts["b"]], 1))
-        found = self._gather(pairs, contacts, rows=rows)
+        found = self._gather(pairs, contacts, rows=rows, wider=wider)
         found = found[found["fresh"] == 0]
         _, first = np.unique(found["regime"], return_index=True)  # where two are the same contact: the first
         return found[first], order[found["regime"][first]]
@@ -153,11 +156,14 @@ class Watch:
         met: np.ndarray | None = None,
         slack: float = 1.0,
         rows: np.ndarray | None = None,
+        wider: float = 0.0,
     ) -> np.ndarray:
         """Contacts of pairs (k, 2); those met (j, 2) have just come to touch somewhere."""
         a = self.arena
         rows = a.motion if rows is None else rows
         touch = a.touch
+        if wider > 0.0:
+            touch = touch + wider * np.minimum(a.finite_reach[:, None], a.reach)
         if met is not None:
             touch, (i, j) = slack * a.touch, met.T
             touch[i, j] = np.maximum(touch[i, j], CLOSE * np.minimum(a.reach[i], a.reach[j]))

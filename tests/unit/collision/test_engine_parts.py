@@ -11,7 +11,7 @@ from flowgmo.collision.bounds import build_bounds
 from flowgmo.collision.contact import CONTACT, RESPONSE, TWIST
 from flowgmo.collision.extents import pairs_of_boxes, sweep_boxes
 from flowgmo.collision.ledger import Ledger
-from flowgmo.collision.paths import HELD
+from flowgmo.collision.paths import HELD, PATH
 from flowgmo.state import FROM_PRESCRIBED, LOST_IN_FRICTION
 
 # ---- bounds.py
@@ -98,30 +98,38 @@ def pushed(movable):
     """A body (0) on another one (1), a contact at (1, 0, 0) that pushes 0 up by an impulse over [2, 2.5]."""
     responses = np.zeros(8, RESPONSE)
     arena = SimpleNamespace(
-        n=2, responses=responses, movable=np.array([*movable, 0, 0, 0, 0, 0, 0]), bodies=np.zeros(8)
-    )
+        n=2, responses=responses, movable=np.array([*movable, 0, 0, 0, 0, 0, 0]), bodies=np.zeros(8),
+        paths=np.zeros(8, PATH),
+    )  # fmt: skip
     contact = np.zeros(1, CONTACT)
     contact["a"], contact["b"], contact["point"], contact["impulse"] = 0, 1, (1, 0, 0), (3, 0, 4)
     start, ends = np.zeros(8, TWIST), np.zeros(8, TWIST)
     start["v"][0], ends["v"][0] = (1, 0, 0), (5, 0, 1)
     start["w"][1], ends["w"][1] = (0, 0, 0), (0, -2, 0)  # at x = 1 it moves up by 2
     ledger = Ledger(arena)
-    ledger.open(contact, start, ends, 2.0, 2.5)
+    ledger.open(contact, np.array([[2.0, 6.0]]), start, ends, 2.0, 2.5)
     return ledger
 
 
 @pytest.mark.parametrize("t", [1.0, 2.0, 2.1, 2.37, 2.5, 9.0])
-def test_the_work_of_a_constant_force(t):
-    """∫ F·(u_a - u_b) dt with velocities linear in time, at any time of the leg and after it."""
-    ledger, books = pushed((1, 1)), np.zeros(4)
+def test_the_work_of_a_constant_force_on_a_driven_side(t):
+    """-∫ F·u_b dt with u linear in time, at any time of the leg and after it: given by b's driver, and lost if the
+    movable side, whose path books what it gains, does not get it."""
+    ledger, books = pushed((1, 0)), np.zeros(4)
     ledger.add_until(t, books)
-    force = np.array([6.0, 0, 8.0])
     tau = min(max(t - 2.0, 0.0), 0.5)
-    first, last = np.array([1.0, 0, 0]), np.array([5.0, 0, 1.0 - 2.0])
-    expected = force @ (first * tau + (last - first) * tau**2 / (2 * 0.5))
-    assert books[LOST_IN_FRICTION] == pytest.approx(-expected, rel=1e-14, abs=1e-15)
-    assert books[FROM_PRESCRIBED] == 0.0
-    np.testing.assert_allclose(ledger.forces(), [force, -force])
+    expected = 8.0 * 2.0 * tau**2 / (2 * 0.5)  # F_z up on a, -F_z on b, whose point moves up by 2 at the end
+    assert books[FROM_PRESCRIBED] == pytest.approx(expected, rel=1e-14, abs=1e-15)
+    assert books[LOST_IN_FRICTION] == books[FROM_PRESCRIBED]
+    np.testing.assert_allclose(ledger.forces(), [[6.0, 0, 8.0], [-6.0, 0, -8.0]])
+
+
+def test_two_movable_sides_book_on_their_paths():
+    """The ledger books nothing then, but counts what contacts take by right until the leg is cut: ∫ (2 + 8 t) dt."""
+    ledger, books = pushed((1, 1)), np.zeros(4)
+    ledger.close(2.25, books)
+    assert not books.any()
+    assert ledger.arena.paths["excess"][0] == pytest.approx(2.0 * 0.25 + 0.5 * 8.0 * 0.25**2, rel=1e-14)
 
 
 def test_a_driven_side_gives_its_work():
