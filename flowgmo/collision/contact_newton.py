@@ -14,6 +14,11 @@ Where (1) is not solved, a few convex steps follow: (1) with the cone's projecti
 the slip speed lagged (Cadoux 2009; Acary, Cadoux, Lemaréchal & Malick 2011); they bring the contacts' states near the
 true ones, and (1) is tried again.
 
+Where contacts slide λ may be negative, as in a row of blocks that lean on each other and can swing to either side.
+Steps with ρ|λ| < 2 then lead away from the solution, tenfold at ρ|λ| = 0.9, and round-off decides where they end; a
+stiffer step comes back (ρ|λ| = 3: half the way, with the other sign). A step that ends at REPELS times the least
+residual is taken back, and ρ raised past the bad values.
+
 Numbers of parties and contacts enter by round-off only, and a mirrored problem has the mirrored result.
 
 Contradictory problems (two points of one edge that stick, and whose rounded normals or gaps ask for velocities along
@@ -27,6 +32,7 @@ just that violation allowed.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -46,6 +52,9 @@ CONVEX_MOST = 8  # convex steps in a row
 STAYS = 3  # steps that find the same violation
 NEARLY = 1000.0  # tolerances that a contradiction of the data may leave
 SLOW = 0.9  # of the least residual before: what a mode with λ/k = 1e-7 leaves at ρ k = STIFF
+REPELS = 2.0  # times the least residual: a step that ends there leads away
+PAST = math.sqrt(FASTER)  # change of ρ then: ρ|λ| = 0.9 becomes 2.8, beyond the 2 from which steps come back
+REPELLED = 10  # such changes in one solution
 CLOSE = 1e-2  # relative residual below which a step that fails is tried with a smaller ρ, not with convex ones
 PATIENCE = 40  # Newton steps without a smaller residual after which one of NEARLY tolerances is the answer
 CONVERGED, TOO_MANY, IMPOSSIBLE = 0, 1, 2
@@ -97,6 +106,15 @@ def retreat(links, slots, group):
 
 
 @inner
+def return_to_best(links, slots, group, tolerance):
+    """Back to the impulses of the least residual; returns natural_residual there."""
+    for c in range(group.first, group.last):
+        put(links[c].base, triple(links[c].best))
+    retreat(links, slots, group)
+    return natural_residual(links, slots, group, tolerance)
+
+
+@inner
 def lag(links, slots, group):
     """Hold μ |u_t| of every contact."""
     for c in range(group.first, group.last):
@@ -132,6 +150,7 @@ def newton(links, slots, group, tolerance, most):
     stalls = np.int64(0)
     convex = np.int64(0)  # steps of this kind to come
     failed = np.int64(0)
+    repelled = np.int64(0)
     while count < most and relative > tolerance and stayed < STAYS and stalls < STAYS:
         if since > PATIENCE and least <= NEARLY * tolerance:
             break
@@ -165,7 +184,13 @@ def newton(links, slots, group, tolerance, most):
             stayed = stayed + 1 if same else 0
             slow = stiff == stiffest and convex == 0 and relative > SLOW * lowest
             stalls = stalls + 1 if slow and relative <= NEARLY * tolerance else 0
-            if steps <= EASY:
+            if convex == 0 and least <= CLOSE and relative > REPELS * least and repelled < REPELLED:
+                repelled += 1
+                relative, worst = return_to_best(links, slots, group, tolerance)
+                stiff = min(PAST * stiff, ceiling)
+                stiffest = max(stiffest, stiff)
+                easy = 0
+            elif steps <= EASY:
                 easy += 1
                 if easy > AGAIN:
                     easy = 0

@@ -56,6 +56,13 @@ def relative(contacts: np.ndarray, arena: Arena, twists: np.ndarray) -> np.ndarr
     return out
 
 
+def least_of_pairs(contacts: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(m,) the least value (m,) of each pair's contacts (m > 0,), which are sorted by pair."""
+    a, b = contacts["a"], contacts["b"]
+    first = np.flatnonzero(np.concatenate([[True], (a[1:] != a[:-1]) | (b[1:] != b[:-1])]))
+    return np.repeat(np.minimum.reduceat(values, first), np.diff(first, append=len(values)))
+
+
 class Holder:
     """Contact forces of the contacts that stay. held: those of the present legs, sorted by pair."""
 
@@ -203,12 +210,7 @@ class Holder:
         """
         arena, span = self.arena, end - now
         before = relative(contacts, arena, start)
-        # a gap left by drift closes within a whole leg, not within what is left of this one: the path is linear from
-        # the speed u now, so that (u - bias) leg / 2 = -gap
-        leg = np.maximum(span, np.minimum(self.leg, self.longest_legs(contacts)))
-        gap = np.maximum(contacts["gap"], 0.0)
-        closing = np.clip(2.0 * gap / leg + dots(before, contacts["normal"]), 0.0, gap / leg)
-        closing = np.where(gap <= SOON * arena.gravity * leg**2, CLOSING * gap / leg, closing)
+        closing = self._closing(contacts, dots(before, contacts["normal"]), span)
         bias = closing[:, None] * contacts["normal"]
         middle = contacts.copy()
         moves = self._moves(contacts, label, span)
@@ -230,6 +232,26 @@ class Holder:
         turned = np.einsum("ki,ki->k", middle["normal"] - contacts["normal"], before)
         bias += relative(middle, arena, start) - before + turned[:, None] * middle["normal"]
         return middle, bias
+
+    def _closing(self, contacts: np.ndarray, speed: np.ndarray, span: float) -> np.ndarray:
+        """(m,) speeds [length/time] at which contacts (m,) may approach at the end; speed (m,): they part with now.
+
+        A gap left by drift closes within a whole leg, not within what is left of this one: the path is linear from the
+        speed u now, so that (u - closing) leg / 2 = -gap. Gaps of one pair that hardly differ close as one, the least:
+        the rest is a tilt or a turn of round-off's size, and points that stick cannot take it away. It would ask them
+        for velocities that contradict each other, and redundant forces would drift (contact_newton.py).
+        """
+        arena = self.arena
+        leg = np.maximum(span, np.minimum(self.leg, self.longest_legs(contacts)))
+        soon = SOON * arena.gravity * leg**2
+        # an overlap opens again, or a ball would sink with what forces leave, TOLERANCE g h, until a shift lifts it; a
+        # search that does not find the times of contacts leaves real overlaps, which stay
+        lowest = -arena.touch[contacts["a"], contacts["b"]] if self.watch.located else 0.0
+        gap = np.maximum(contacts["gap"], lowest)
+        least = least_of_pairs(contacts, gap)
+        gap = np.where(gap - least <= soon, least, gap)
+        closing = np.clip(2.0 * gap / leg + speed, 0.0, np.maximum(gap, 0.0) / leg)
+        return np.where(gap <= soon, CLOSING * gap / leg, closing)
 
     def _moves(self, contacts: np.ndarray, label: np.ndarray, span: float) -> np.ndarray:
         """(m,) whether a party of a contact's island moves enough in the span to change where and how it touches."""
