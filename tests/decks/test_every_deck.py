@@ -60,22 +60,14 @@ def test_pictures_are_small_and_there(page):
         assert picture.name in page.read_text(encoding="utf-8")
 
 
-# Bodies that turn about more than one axis while contacts hold them: their paths are of second degree in time, so that
-# turning energy and the work of the contact forces differ by a part of third order a leg, h² in all.
-TURNS_WHILE_HELD = {"hard/coin", "hard/hooks", "hard/scene", "hard/scene_cgs", "hard/scene_mirrored",
-                    "hard/scene_reversed", "domino/elastic", "domino/plastic"}  # fmt: skip
-
-
 @whole
 def test_energy_books_close(path, runs):
-    # Measured: at most 2e-12 of the largest entry (hard/corner); of those that turn while held 3e-6 (hard/coin), 3e-7
-    # (hard/hooks, domino), 4e-8 (hard/scene). 1e-11 would reveal an entry that is missing, counted twice, or
+    # Measured: at most 2e-12 of the largest entry (hard/corner). 1e-11 would reveal an entry that is missing, counted twice, or
     # lost from one step to the next, as the energy of shifts was (7e-3 of incline/rocking at delt .002).
     case, deck = path.parent.name, path.stem
     energy = runs.curves(case, deck).energy
     if not energy:
         assert case == "piston"  # the only decks without a coupled body: they have no books
         return
-    bound = 1e-5 if f"{case}/{deck}" in TURNS_WHILE_HELD else 1e-11
     largest = max(np.abs(values).max() for values in energy.values())
-    assert np.abs(energy["remainder"]).max() <= bound * largest
+    assert np.abs(energy["remainder"]).max() <= 1e-11 * largest
