@@ -62,8 +62,8 @@ def test_pictures_are_small_and_there(page):
 
 @whole
 def test_energy_books_close(path, runs):
-    # Measured: at most 2e-12 of the largest entry (hard/corner). 1e-11 would reveal an entry that is missing, counted twice, or
-    # lost from one step to the next, as the energy of shifts was (7e-3 of incline/rocking at delt .002).
+    # Measured: at most 2e-12 of the largest entry (hard/corner). 1e-11 would reveal an entry that is missing, counted
+    # twice, or lost from one step to the next, as the energy of shifts was (7e-3 of incline/rocking at delt .002).
     case, deck = path.parent.name, path.stem
     energy = runs.curves(case, deck).energy
     if not energy:
