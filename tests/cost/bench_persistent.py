@@ -18,7 +18,7 @@ import numpy as np
 
 from flowgmo.collision.contact_groups import find_groups
 from flowgmo.collision.contact_newton import start
-from flowgmo.collision.links import LINK, mass_unit, prepare_link, prepare_slots
+from flowgmo.collision.links import LINK, SLOT, mass_unit, prepare_link, prepare_slots
 from flowgmo.collision.persistent import solve, sweep_until
 from flowgmo.kernel import kernel
 
@@ -40,16 +40,20 @@ SCENES = {
 def sweeps_alone(contacts, bias, responses, twists, tolerance, most):
     """Number of sweeps and residual of the largest group."""
     groups, _, queue, n_slots, slot_of, order, n_links = find_groups(contacts, responses)
-    unit = mass_unit(contacts, responses)
-    slots, lt, lr = prepare_slots(responses, queue, n_slots, unit)
+    group = groups[0]
+    unit = mass_unit(contacts, order, group, responses)
+    slots = np.empty(n_slots, SLOT)
+    lt = np.empty((n_slots, 3, 3))
+    lr = np.empty((n_slots, 3, 3))
     links = np.empty(n_links, LINK)
-    for i in range(n_links):
+    prepare_slots(slots, group, queue, responses, unit, lt, lr)
+    for i in range(group.first, group.last):
         contact = contacts[order[i]]
         links[i].a = slot_of[contact.a]
         links[i].b = slot_of[contact.b]
         prepare_link(links[i], contact, bias, order[i], responses, twists, lt, lr, unit)
-    start(links, slots, groups[0])
-    count, residual, _ = sweep_until(links, slots, groups[0], tolerance, most)
+    start(links, slots, group)
+    count, residual, _ = sweep_until(links, slots, group, tolerance, most)
     return count, residual
 
 
