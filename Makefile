@@ -1,6 +1,7 @@
 # `make run`   sets up, runs decks/anvil and draws it        `make test`      sets up, all tests of a normal day
 # `make lint`  ruff, lint and format                         `make test-all`  the slow ones too
 # `make docs`  the deck reference from the registry          `make clean`     removes what make made
+# `make bench-flow`  what the liquid costs by mesh and by wetted share; PART=wet runs that one
 # `make bench-collision`  cost and error of each part of the collision model; PART=search runs that one
 
 PYTHON ?= python3
@@ -8,7 +9,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: run test test-all lint docs bench-collision clean setup
+.PHONY: run test test-all lint docs bench-collision bench-flow clean setup
 
 setup: $(READY)
 
@@ -36,6 +37,9 @@ docs: $(READY)
 
 bench-collision: $(READY)
 	$(BIN)/python tests/cost/bench_collision.py $(PART)
+
+bench-flow: $(READY)
+	$(BIN)/python tests/cost/bench_flow.py $(PART)
 
 clean:
 	rm -rf $(VENV) build *.egg-info decks/*/*.out

@@ -19,6 +19,7 @@ sys.path.insert(0, str(DECKS))  # the tests load this file by its path
 
 from curves import Curves, body_axes, drift, energy_added, first_hit  # noqa: E402
 from measure_hard import hard  # noqa: E402
+from measure_wet import cavity, dam_break, still_water  # noqa: E402
 
 
 def central(curves: Curves, deck: str) -> dict[str, float]:
@@ -186,12 +187,14 @@ def rocking(curves: Curves) -> dict[str, float]:
 
 
 _ALL = (central, anvil, top, pendulum, piston, billiards, chain, plane, rack, pool, domino, stack, incline, hard)
+WET = {case.__name__: case for case in (dam_break, still_water, cavity)}
 CASES = {case.__name__: case for case in _ALL}
 
 
 def measure(results: Path, case: str, deck: str) -> dict[str, float]:
     """What the run in `results` of the deck decks/<case>/<deck>.nml gives, by the names in its reference.csv."""
-    return {name: float(value) for name, value in CASES[case](Curves(results), deck).items()}
+    found = WET[case](results, deck) if case in WET else CASES[case](Curves(results), deck)
+    return {name: float(value) for name, value in found.items()}
 
 
 def reference(case: str, deck: str) -> dict[str, tuple[float, str]]:

@@ -9,3 +9,7 @@ class FlowgmoError(Exception):
 
 class StepFailed(FlowgmoError):
     """A step that cannot be computed. The State stays as it was before the step."""
+
+
+class StepTooLong(StepFailed):
+    """A step that failed, where a shorter one may do."""

@@ -1,8 +1,9 @@
-"""The two decorators of all compiled functions.
+"""The decorators of all compiled functions.
 
-`kernel` is called from Python. `inner` is called from kernels only. Tests call inner functions through a kernel of
-their own. Kernels are cached on disk (the package names the folder, see __init__). A division by zero gives infinity
-or nan, as in numpy, and no exception: kernels test for what they need. compiler.py keeps their first start short.
+`kernel` and `flow_kernel` are called from Python. `inner` is called from kernels only. Tests call inner functions
+through a kernel of their own. Kernels are cached on disk (the package names the folder, see __init__). A division by
+zero gives infinity or nan, as in numpy, and no exception: kernels test for what they need. compiler.py keeps their
+first start short.
 """
 
 from __future__ import annotations
@@ -26,3 +27,7 @@ def pipelines(version: str) -> tuple[dict, dict]:
 _of_kernel, _of_inner = pipelines(numba.__version__)
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **_of_kernel)
 inner = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_of_inner)
+#: A kernel of the flow: releases Python's lock, so that threads share its columns; a * b + c may be one operation.
+flow_kernel = njit(
+    cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, fastmath={"contract"}, **_of_kernel
+)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flowgmo.bodies.body import Body
+from flowgmo.flow_plan import FluidPlan
 from flowgmo.mesh import Mesh
 
 
@@ -73,6 +74,7 @@ class OutputPlan:
     log: Intervals
     restart_wall: float  # seconds of wall time between restart files
     probes: np.ndarray  # (k, 3) [length]
+    probe_numbers: tuple[int, ...] = ()  # (k,) as in the deck
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,7 @@ class Model:
     bodies: tuple[Body, ...]
     contacts: ContactPlan | None
     effects: tuple[Effect, ...]
-    fluid: None
+    fluid: FluidPlan | None
     notices: tuple[str, ...]
 
     @property

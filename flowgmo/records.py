@@ -5,7 +5,7 @@ Rows are exact states at the asked times in a dry scene. n bodies (deck number m
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
@@ -39,7 +39,8 @@ class Rows:
     t (k,) [time]; p_WB, v_WB (k, n, 3); q_WB (k, n, 4) w x y z, sign continuous; w_WB (k, n, 3) space axes;
     contact_force (k, n, 3) [force] of persistent contacts; residual_force [force], residual_torque [torque] (k, n, 3):
     what keeps a prescribed motion, beyond gravity and control loads, the torque about B;
-    kinetic_energy (k, n); energy: name -> (k,), names as in `/energy` of history.h5.
+    kinetic_energy (k, n); energy: name -> (k,), names as in `/energy` of history.h5; liquid: name -> (k,) or (k, 3),
+    names as in history.h5 (flow/watch.py), empty in a dry scene.
     """
 
     t: np.ndarray
@@ -52,6 +53,7 @@ class Rows:
     residual_torque: np.ndarray | None
     kinetic_energy: np.ndarray | None
     energy: dict[str, np.ndarray]
+    liquid: dict[str, np.ndarray] = field(default_factory=dict)
 
     def only(self, keep: np.ndarray) -> Rows:
         """The rows where keep (k,) is True."""
@@ -59,8 +61,9 @@ class Rows:
         def cut(values: np.ndarray | None) -> np.ndarray | None:
             return None if values is None else values[keep]
 
-        parts = {f.name: cut(getattr(self, f.name)) for f in fields(self) if f.name != "energy"}
-        return Rows(**parts, energy={name: values[keep] for name, values in self.energy.items()})
+        named = ("energy", "liquid")
+        parts = {f.name: cut(getattr(self, f.name)) for f in fields(self) if f.name not in named}
+        return Rows(**parts, **{of: {name: a[keep] for name, a in getattr(self, of).items()} for of in named})
 
 
 def no_impacts() -> np.ndarray:

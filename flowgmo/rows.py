@@ -11,14 +11,19 @@ from flowgmo.state import BOOKS, State, initial_state
 from flowgmo.world import World, poses_of
 
 
-def rows_of_state(world: World, state: State) -> Rows:
-    """One row: the state as it stands (used at t = 0)."""
+def rows_of_state(world: World, state: State, liquid: dict[str, np.ndarray] | None = None) -> Rows:
+    """One row: the state as it stands (used at t = 0); liquid as in records.Rows."""
     force = np.zeros((1, len(state.p_WB), 3)) if world.collisions else None
-    return make_rows(world, np.array([state.t]), poses_of(state)[None], force, state.books[None].copy())
+    return make_rows(world, np.array([state.t]), poses_of(state)[None], force, state.books[None].copy(), liquid)
 
 
 def make_rows(
-    world: World, t: np.ndarray, poses: np.ndarray, contact_force: np.ndarray | None, books: np.ndarray
+    world: World,
+    t: np.ndarray,
+    poses: np.ndarray,
+    contact_force: np.ndarray | None,
+    books: np.ndarray,
+    liquid: dict[str, np.ndarray] | None = None,
 ) -> Rows:
     """History rows from states (k, n) of POSE: energies and residual loads are added here."""
     model, arrays = world.model, world.arrays
@@ -47,6 +52,7 @@ def make_rows(
         residual_torque=residual[1] if residual else None,
         kinetic_energy=kinetic if has_mass else None,
         energy=energy,
+        liquid=liquid or {},
     )
 
 

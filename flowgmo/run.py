@@ -12,12 +12,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flowgmo.errors import FlowgmoError, StepFailed
+from flowgmo.errors import FlowgmoError, StepFailed, StepTooLong
 from flowgmo.model import Model
 from flowgmo.output import (
+    Fields,
     History,
     OutputError,
     RestartError,
@@ -32,6 +34,9 @@ from flowgmo.output.errors import replacing
 from flowgmo.output.history import impacts_until
 from flowgmo.records import Rows
 from flowgmo.state import State, initial_state
+
+if TYPE_CHECKING:
+    from flowgmo.step import Report
 
 DONE, FAILED, WRONG, INTERRUPTED = 0, 1, 2, 130  # exit codes (DESIGN 8)
 STATUS = {DONE: "done", FAILED: "failed", INTERRUPTED: "interrupted"}
@@ -77,6 +82,7 @@ def run(model: Model, folder: Path, restart: Path | None, command_line: str) -> 
     try:
         with stopping_on_signals(job):
             job.world = prepare(model)
+            job.start_liquid()
             try:
                 job.compute()
             except StepFailed as error:
@@ -100,12 +106,14 @@ class Job:
         self.writing = 0.0
         self.per_body: dict[str, dict[str, float]] = {}
         self.limits = 0
+        self.cuts = 0
         self.last_rows: Rows | None = None
         if resume_at is not None:
             self._count(impacts_until(folder, resume_at))
         self.log = RunLog(folder, resume_at=resume_at)
         self.history = History(folder, model, resume_at)
         self.snapshots = Snapshots(folder, model, resume_at)
+        self.fields = Fields(folder, model, resume_at) if model.fluid is not None else None
         with replacing(folder / "deck.resolved.nml") as temporary:
             temporary.write_text(model.resolved_deck, encoding="utf-8")
         self.log.header(model)
@@ -116,30 +124,32 @@ class Job:
     def compute(self) -> None:
         """Step until the end, a stop, or an interrupt."""
         from flowgmo.rows import rows_of_state
-        from flowgmo.step import step
 
         model, state = self.model, self.state
         if not _kernels_cached():
             self.log.print("first start: compiling the kernels of this scene, 5 to 60 s; later starts load them\n")
         if self.resume_at is None:
-            self._write_rows(rows_of_state(self.world, state))
-            self.snapshots.write(state)
+            from flowgmo.flow.watch import at_once
+            from flowgmo.step import liquid_values
+
+            self._write_rows(rows_of_state(self.world, state, at_once(liquid_values(self.world, state))))
+            self._write_snapshot(state)
         while state.t < model.clock.end and state.step < model.clock.last_step and not self.stop_asked:
-            t1, landing = self.next_time()
-            dt = t1 - state.t
-            asked = np.union1d(_between(self.history_times, state.t, t1), _between(self.selected, state.t, t1))
-            report = step(self.world, state, t1, asked, landing)
+            began_at = state.t
+            report, landing = self.advance()
+            dt = state.t - began_at
             began = time.perf_counter()
             if report.rows is not None:
                 self._write_rows(report.rows)
             if len(report.impacts):
                 self._note_impacts(report.impacts)
             if landing:
-                self.snapshots.write(state)
+                self._write_snapshot(state)
                 self._save()
             elif began - self.last_restart > model.output.restart_wall:
                 self._save()
-            self.log.progress(state.t, state.step, dt, state.impacts)
+            liquid, impacts = self.world.liquid, state.impacts if self.world.collisions is not None else None
+            self.log.progress(state.t, state.step, dt, impacts, liquid.tally.iterations if liquid else None)
             self.writing += time.perf_counter() - began
         if self.stop_asked:
             self.finish(INTERRUPTED, "interrupted; restart.h5 holds the state, go on with --restart")
@@ -148,11 +158,76 @@ class Job:
         else:
             self.finish(DONE, "twfin is reached")
 
-    def next_time(self) -> tuple[float, bool]:
-        """Where the next step ends, and whether that is a landing. Steps count from the last landing: no drift."""
+    def start_liquid(self) -> None:
+        """The liquid at t = 0, where the scene has any and no restart file brought it."""
+        if self.world.liquid is None:
+            return
+        self.snapshots.V = self.fields.V = self.world.liquid.openings.V
+        from flowgmo.step import start_liquid
+
+        start_liquid(self.world, self.state)
+
+    def _write_snapshot(self, state: State) -> None:
+        self.snapshots.write(state)
+        if self.fields is not None:
+            self.fields.write(state)
+
+    def advance(self) -> tuple[Report, bool]:
+        """One step, as long as it may be; shorter ones where the liquid asks for it. Returns whether it was a landing.
+
+        Raises StepFailed where a step of dt_min fails too; the state is then the last good one.
+        """
+        from flowgmo.step import step
+
+        state, clock = self.state, self.model.clock
+        most = np.inf
+        while True:
+            t1, landing = self.next_time(most)
+            asked = np.union1d(_between(self.history_times, state.t, t1), _between(self.selected, state.t, t1))
+            try:
+                began_at = state.t
+                report = step(self.world, state, t1, asked, landing)
+                self._note_step(state.t - began_at, most, landing)
+                return report, landing
+            except StepTooLong as error:
+                most = 0.5 * (t1 - state.t)
+                self.cuts += 1
+                if most < clock.dt_min:
+                    raise StepFailed(f"{error}, and a step below dtmin={clock.dt_min:.3g} would be needed") from error
+
+    def _note_step(self, dt: float, most: float, landing: bool) -> None:
+        """Book what bounded the step of the liquid."""
+        liquid = self.world.liquid
+        if liquid is None:
+            return
+        bounded = "tried again" if most < np.inf else "output" if dt < self.wanted else self.bounded_by
+        liquid.tally.note_step(bounded, liquid.courant)
+        liquid.tally.shortened = self.cuts
+
+    def next_time(self, most: float) -> tuple[float, bool]:
+        """Where the next step of at most `most` ends, and whether that is a landing."""
         state, clock = self.state, self.model.clock
         k = np.searchsorted(self.landings, state.t, side="right")
         landing = float(self.landings[min(k, len(self.landings) - 1)])
+        if self.world.liquid is not None:
+            return self._next_wet_time(min(most, _bound(clock.dt_max, state.t)), landing)
+        return self._next_dry_time(landing)
+
+    def _next_wet_time(self, most: float, landing: float) -> tuple[float, bool]:
+        """As long as the liquid allows; the last two steps before a landing share what is left."""
+        t, clock = self.state.t, self.model.clock
+        longest = self.world.liquid.longest_step(self.state.fluid, clock.dt)
+        dt = min(most, longest)
+        self.wanted = dt * (1.0 - LAND)  # a step shorter than that is shared before a landing
+        self.bounded_by = self.world.liquid.limiting if longest <= most else "largest step"
+        left = landing - t
+        if left <= dt * (1.0 + LAND):
+            return landing, True
+        return t + min(dt, 0.5 * left), False
+
+    def _next_dry_time(self, landing: float) -> tuple[float, bool]:
+        """Steps of DELT that count from the last landing: no drift."""
+        state, clock = self.state, self.model.clock
         dt = min(clock.dt, _bound(clock.dt_max, state.t))
         t1 = state.landed + (state.since_landing + 1) * dt
         if dt < clock.dt or t1 <= state.t:
@@ -165,11 +240,20 @@ class Job:
         """Rows at history times go to the history, those at selected times to pictures."""
         for k in np.flatnonzero(np.isin(rows.t, self.selected)):
             then = replace(self.state, t=float(rows.t[k]), p_WB=rows.p_WB[k], q_WB=rows.q_WB[k], v_WB=rows.v_WB[k])
-            self.snapshots.write(replace(then, w_WB=rows.w_WB[k]))
+            then = replace(then, w_WB=rows.w_WB[k], fluid=self._liquid_at(float(rows.t[k])))
+            self.snapshots.write(then, full=False)
         wanted = np.isin(rows.t, self.history_times) | (rows.t == 0.0)
         if wanted.any():
             self.last_rows = rows if wanted.all() else rows.only(wanted)
             self.history.write(self.last_rows)
+
+    def _liquid_at(self, t: float) -> object | None:
+        """The Flow with F at a time in the step just made, linear in it: the old F is the Liquid's scratch."""
+        flow, liquid = self.state.fluid, self.world.liquid
+        if flow is None or flow.F is None:
+            return flow
+        share = (self.state.t - t) / flow.dt
+        return replace(flow, F=share * liquid.F + (1.0 - share) * flow.F)
 
     def _note_impacts(self, impacts: np.ndarray) -> None:
         self.history.write_impacts(impacts)
@@ -238,11 +322,24 @@ class Job:
             "effects": {name: {"seconds": s, "share": s / wall} for name, s in parts.items()},
             "peak_memory_bytes": _peak_memory(),
             "energy": energy,
+            **self._liquid_summary(),
             "collisions": {"total": self.state.impacts, "per_body": self.per_body},
             "limits": self._limits(),
             "versions": versions(),
             "command_line": self.command_line,
         }
+
+    def _liquid_summary(self) -> dict:
+        """What run.json and the final table say of the liquid; {} in a dry scene, or where it did not begin."""
+        world = getattr(self, "world", None)
+        if world is None or world.watch is None or self.state.fluid is None:
+            return {}
+        from flowgmo.step import liquid_values
+
+        values = liquid_values(world, self.state)
+        names = ("volume", "volume_error", "kinetic_energy", "potential_energy")
+        shown = {name: values[f"fluid/{name}"] for name in names if f"fluid/{name}" in values}
+        return {"volume_error": shown.get("volume_error"), "liquid": shown | world.liquid.tally.summary()}
 
 
 def _between(times: np.ndarray, t0: float, t1: float) -> np.ndarray:

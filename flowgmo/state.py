@@ -14,7 +14,7 @@
 
 B is the mass centre, or the reference point of a body without mass (bodies/body.py). Stationary bodies keep their
 rows so that a body's row is its deck number minus one. `fluid` holds the mesh fields (u v w p F V Ax Ay Az, places in
-mesh.py) in a scene with liquid and is None in a dry one.
+flow/fields.py) in a scene with liquid and is None in a dry one.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from flowgmo.flow.fields import Flow
 from flowgmo.model import Model
 
 BOOKS = ("impacts", "dissipated", "work_prescribed", "work_loads")
@@ -52,7 +53,7 @@ class State:
     general: bool  # the closed forms of balls no longer do: the contact engine has taken over (collision/stage.py)
     busy: bool  # impacts are too many to be resolved one by one (collision/crowd.py)
     books: np.ndarray
-    fluid: None = None
+    fluid: Flow | None = None
 
     def advance_clock(self, t: float, landing: bool) -> None:
         """Set the time reached [time]; a landing restarts the count of equal steps."""
@@ -65,11 +66,12 @@ class State:
 
     def nbytes(self) -> int:
         """Bytes of all arrays."""
-        return sum(v.nbytes for f in fields(self) if isinstance(v := getattr(self, f.name), np.ndarray))
+        own = sum(v.nbytes for f in fields(self) if isinstance(v := getattr(self, f.name), np.ndarray))
+        return own + (self.fluid.nbytes() if self.fluid is not None else 0)
 
 
 def initial_state(model: Model) -> State:
-    """The state at t = 0: every body where the deck puts it, with its initial velocities."""
+    """The state at t = 0: every body where the deck puts it, with its initial velocities; `fluid` is still None."""
     n = len(model.bodies)
     state = State(
         t=0.0,

@@ -3,9 +3,16 @@
     move the bodies that nothing can hit         flight, prescribed motion, control loads, stops
     move the others, impacts at their own times  collisions; absent where the deck has none
 
-A scene with liquid adds, before these, the accelerations of the fluid, the average of the open fractions over the
-bodies' motion, and the projection that finds pressure and bodies' velocities together; after them the open fractions
-at the new pose and the motion of the liquid (not computed yet: `World.stages` has none of them).
+A scene with liquid has, before these,
+
+    predict u* = u + dt a                        advection, gravity, viscosity
+    project: u and p together                    the faces of every liquid cell let out what they let in
+
+and after them
+
+    move the liquid                              with the projection's fluxes
+
+(bodies that move in the liquid are not computed yet).
 
 Off means absent: `World.stages` holds only what the Model's effects ask for, and kernels get None for missing parts.
 """
@@ -54,17 +61,55 @@ def prepare(model: Model) -> World:
 
         collisions = Collisions(model, arrays, laws)
         stages.append(("collisions", move_colliding))
+    before, after, liquid = _flow_stages(model)
+    watch = None
+    if liquid is not None:
+        from flowgmo.flow.watch import watch_of
+
+        watch = watch_of(model, liquid, liquid.walls, {})
     return World(
         model=model,
         arrays=arrays,
         laws=laws,
         movers=moving,
         collisions=collisions,
-        stages=tuple(stages),
+        liquid=liquid,
+        watch=watch,
+        stages=(*before, *stages, *after),
         scratch=poses_of(initial_state(model)),
         energy_at_start=energy_at_start(model, arrays),
         ledger=ledger_of(model),
     )
+
+
+def _flow_stages(model: Model) -> tuple[list, list, object | None]:
+    """Stages before and after the bodies' motion, and what they work with; none in a dry scene."""
+    if model.fluid is None:
+        return [], [], None
+    from flowgmo.flow import stages
+    from flowgmo.flow.build import build_liquid
+
+    liquid = build_liquid(model)
+
+    def predict(world: World, state: State, t1: float, room: Room) -> None:
+        stages.predict(liquid, state.fluid, t1, t1 - state.t)
+
+    def project(world: World, state: State, t1: float, room: Room) -> None:
+        stages.project(liquid, state.fluid, t1 - state.t)
+
+    def move_liquid(world: World, state: State, t1: float, room: Room) -> None:
+        stages.move_liquid(liquid, state.fluid, t1 - state.t, state.step)
+
+    after = [("liquid", move_liquid)] if model.fluid.free_surface else []
+    return [("momentum", predict), ("pressure", project)], after, liquid
+
+
+def start_liquid(world: World, state: State) -> None:
+    """Give the state its liquid at t = 0, where the scene has any and the state none (it was not read from a file)."""
+    if world.liquid is not None and state.fluid is None:
+        from flowgmo.flow.build import initial_flow
+
+        state.fluid = initial_flow(world.liquid, world.model)
 
 
 def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool) -> Report:
@@ -75,6 +120,7 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
     Raises StepFailed, with the state unchanged.
     """
     room = Room(world, state, asked)
+    t0, liquid = state.t, liquid_values(world, state) if asked.size else {}
     for name, stage in world.stages:  # only what the deck asks for
         began = time.perf_counter()
         stage(world, state, t1, room)
@@ -84,13 +130,33 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
         world.seconds[booked] = world.seconds.get(booked, 0.0) + time.perf_counter() - began
     _check_finite(world, room, t1)
     room.store(state)
+    if world.liquid is not None:
+        world.liquid.store(state.fluid, t1 - state.t)
     state.advance_clock(t1, landing)
     if room.stops:
         rows = np.array([row for _, row in room.stops])
         room.impacts.append(_stop_records(world, rows, np.array([body for body, _ in room.stops])))
     impacts = _in_order(room.impacts, state)
-    rows = make_rows(world, asked, room.rows, room.contact_force, room.rows_books) if asked.size else None
+    if not asked.size:
+        return Report(rows=None, impacts=impacts)
+    if world.watch is not None:
+        from flowgmo.flow.watch import between
+
+        liquid = between(liquid, liquid_values(world, state), t0, t1, asked)
+    rows = make_rows(world, asked, room.rows, room.contact_force, room.rows_books, liquid)
     return Report(rows=rows, impacts=impacts)
+
+
+def liquid_values(world: World, state: State) -> dict:
+    """What is recorded of the liquid as it stands; {} in a dry scene."""
+    if world.watch is None:
+        return {}
+    began, flow = time.perf_counter(), state.fluid
+    values = world.watch.at(state.step, flow, flow.start_volume, flow.passed)
+    booked = "gauges" if "gauges" in world.seconds else KERNELS
+    world.seconds.setdefault("gauges", 0.0)
+    world.seconds[booked] = world.seconds.get(booked, 0.0) + time.perf_counter() - began
+    return values
 
 
 def _in_order(tables: list[np.ndarray], state: State) -> np.ndarray:

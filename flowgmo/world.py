@@ -22,6 +22,8 @@ class World:
     laws: Laws | None
     movers: np.ndarray
     collisions: object | None
+    liquid: object | None
+    watch: object | None
     stages: tuple[tuple[str, Callable], ...]
     scratch: np.ndarray
     energy_at_start: float

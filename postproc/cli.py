@@ -97,7 +97,7 @@ def plot(
 @click.option("--colour", type=click.Choice(["name", "speed"]), default="name", show_default=True)
 @told
 def picture(results: Path, t: float | None, output: Path | None, view: str, size: str, colour: str) -> None:
-    """Draw the bodies at one time."""
+    """Draw the bodies and the liquid's surface at one time (liquid: at the nearest snapshot)."""
     from postproc.pictures import draw
     from postproc.results import Results
     from postproc.scene import Scene
@@ -110,6 +110,23 @@ def picture(results: Path, t: float | None, output: Path | None, view: str, size
     path = output or read.folder / "picture.png"
     draw(read, [(t, path)], view, _pixels(size), colour, notice=notice)
     click.echo(path)
+
+
+@main.command("slice")
+@RESULTS
+@click.option("--time", "t", type=float, help="Time; the nearest snapshot is drawn [the end].")
+@click.option("--axis", type=click.Choice(["x", "y", "z"]), help="The slice lies across it [the shortest side].")
+@click.option("--at", "position", type=float, help="Where on that axis [the middle].")
+@output("slice.png")
+@told
+def slice_(results: Path, t: float | None, axis: str | None, position: float | None, output: Path | None) -> None:
+    """Draw fraction, pressure, and speed of the liquid in a plane, with the mesh beside solids."""
+    from postproc.slices import draw_slice
+
+    if not results.is_dir():
+        raise Told(f"there is no results folder {results}", 2)
+    number = None if axis is None else "xyz".index(axis)
+    click.echo(draw_slice(results, output or results / "slice.png", t, number, position))
 
 
 def _pixels(text: str) -> tuple[int, int]:
@@ -130,7 +147,7 @@ def report(results: Path, output: Path | None) -> None:
     """Draw the whole run in one figure.
 
     Pictures at a few times, the motion of up to six bodies, of four out of a crowd (or how they turn), energy or what a
-    drive must push, and the first impacts.
+    drive must push, and the first impacts; of a liquid its surface, its gauges, its energy and volume.
     """
     from postproc.results import Results
 

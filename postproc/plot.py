@@ -13,6 +13,7 @@ from postproc.look import scale_colour
 from postproc.palette import COLOURS
 from postproc.results import Curve, Results
 
+WORDS = {"p": "pressure", "F": "liquid fraction", "u": "velocity u", "v": "velocity v", "w": "velocity w"}
 FEW_NAMES, MOST_NAMES, SOME_NAMES = 10, 18, 8  # of a legend beside a panel: in full size, at all, of more than that
 
 
@@ -90,6 +91,7 @@ def _panel(axes: plt.Axes, group: list[Curve], looks: dict[str, dict], component
             axes.plot(curve.t, curve.y[:, j], **look)
             lines += bool(words)
     what = names.pop() if len(names) == 1 else "energy"
+    what = WORDS.get(what, what)
     what += " energy" if owners == {"energy"} and what != "energy" else ""
     what += f" {component}" if component and group[0].columns != ("",) else ""
     axes.set_ylabel(style.label(what, group[0].unit))
@@ -116,6 +118,8 @@ def _legend(axes: plt.Axes) -> None:
 
 
 def _owner(curve: Curve) -> str:
-    """ "ball" of bodies/ball/position; "energy" of energy/kinetic."""
+    """ "ball" of bodies/ball/position; "energy" of energy/kinetic; "probe 3" of probes/3/p."""
     parts = curve.name.split("/")
+    if len(parts) == 3 and parts[0] in ("probes", "planes"):
+        return f"{parts[0][:-1]} {parts[1]}"
     return parts[-2] if len(parts) > 1 else ""

@@ -26,7 +26,7 @@ from postproc.look import (
     camera,
     clock,
 )
-from postproc.palette import INK
+from postproc.palette import INK, WATER
 from postproc.results import Results
 from postproc.scene import Scene, Surface
 from postproc.sight import Frame, frame_of
@@ -49,12 +49,14 @@ def render(job: dict) -> None:
         plotter = pv.Plotter(off_screen=True, window_size=job["size"], lighting="none")
         _light(plotter)
         plotter.set_background(BACKGROUND)
-        for surface in scene.at(wanted["time"]):
+        t = scene.shown_time(wanted["time"])
+        for surface in scene.at(t):
             _add(plotter, surface, surface.number in hiding, colours, fastest, scene.speed_label)
+        _add_liquid(plotter, scene.liquid(t))
         _outline(plotter, frame)
         _place_camera(plotter, frame, job, BAR if fastest > 0 else 0.0)
         if job["label"]:
-            _label(plotter, clock(wanted["time"], scene.end, scene.time_unit), job["size"])
+            _label(plotter, clock(t, scene.end, scene.time_unit), job["size"])
             if fastest == 0:
                 _legend(plotter, body_names(scene, colours), job["size"])
         plotter.enable_anti_aliasing("ssaa")
@@ -104,6 +106,19 @@ def _add(
     edges = mesh.extract_feature_edges(SHARP, boundary_edges=False, non_manifold_edges=False, manifold_edges=False)
     if edges.n_cells:
         plotter.add_mesh(edges, color="#3c424b", line_width=1.5, opacity=0.45 if surface.stationary else 0.8)
+
+
+def _add_liquid(plotter: pv.Plotter, surface: tuple[np.ndarray, np.ndarray] | None) -> None:
+    """The liquid's surface, through which one sees what is below."""
+    if surface is None:
+        return
+    points, faces = surface
+    mesh = pv.PolyData(points, np.column_stack([np.full(len(faces), 3), faces]))
+    look = {"smooth_shading": True, "split_sharp_edges": False, "ambient": 0.3, "diffuse": 0.75, "specular": 0.35}
+    plotter.add_mesh(mesh, color=WATER, opacity=0.55, specular_power=30, **look)
+    rim = mesh.extract_feature_edges(SHARP, feature_edges=False, non_manifold_edges=False, manifold_edges=False)
+    if rim.n_cells:
+        plotter.add_mesh(rim, color=WATER, line_width=2.5)
 
 
 def _outline(plotter: pv.Plotter, frame: Frame) -> None:

@@ -1,4 +1,4 @@
-"""One figure that shows a run: the bodies at a few times, how they moved, the energy, the impacts."""
+"""One figure that shows a run: pictures at a few times, how the bodies moved, energy and impacts, the liquid."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from postproc import style
 from postproc.errors import WrongRequest
 from postproc.impacts import Hits, hits
+from postproc.liquid_panels import liquid_panels
 from postproc.marks import mark_impacts
 from postproc.palette import INK
 from postproc.panels import Panel, panels
@@ -23,6 +24,7 @@ from postproc.tables import draw_table
 ALL_BODIES, SOME_BODIES = 6, 4  # curves that an eye can follow; of a crowd, those that are picked
 WIDTH = 13.0  # inches, of the page
 PLOTS = {0: 0.1, 1: 3.6, 2: 6.4, 3: 8.1}  # inches: height of so many plots above each other
+GAUGE = 2.3  # inches: height of a plot of the liquid
 LEFT, RIGHT = 1.5, 1.0  # widths of the plots and of the table
 BESIDE = 0.9  # inches beside the axes of a plot, for its numbers
 LONGEST = 24  # letters of a name in a legend
@@ -35,28 +37,31 @@ def report(results: Results, path: Path, notice: Callable[[str], None] = lambda 
     names = _interesting(results)
     if len(names) < len(results.bodies):
         notice(f"curves of {len(names)} of {len(results.bodies)} bodies: {', '.join(names)}")
-    shown = panels(results, names)
+    shown, liquid = panels(results, names), liquid_panels(results)
     strip = draw_strip(results, names, WIDTH, notice)
     tall = strip.height(WIDTH)
     found = hits(results)
     plots = PLOTS[2 if len(found) else len(shown)]
-    figure = plt.figure(figsize=(WIDTH, 1.1 + tall + plots), layout="constrained")
+    heights = [tall, plots, max(GAUGE * len(liquid), PLOTS[0])]
+    figure = plt.figure(figsize=(WIDTH, 1.1 + sum(heights)), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, hspace=0.02, wspace=0.02)
     style.headline(figure, results.title, 16)
-    notes = [strip.caption(_length_unit(results)), *(panel.note for panel in shown)]
+    notes = [strip.caption(_length_unit(results)), *(panel.note for panel in (*shown, *liquid))]
     style.footnote(figure, "\n".join(note for note in notes if note))
-    grid = figure.add_gridspec(2, 1, height_ratios=[tall, plots])
+    grid = figure.add_gridspec(3, 1, height_ratios=heights)
     place_strip(figure, grid[0], strip, results)
     looks = _looks(shown, results.t)
     if len(found):
         _beside_table(figure, grid[1], results, shown, looks, found)
     else:
         _stacked(figure, grid[1], results, shown, looks)
+    _stacked(figure, grid[2], results, liquid, _looks(liquid, results.t))
     return style.save(figure, path)
 
 
 def _length_unit(results: Results) -> str:
-    return next((results.curve(f"bodies/{name}/position").unit for name in results.bodies), "")
+    named = (results.curve(f"bodies/{name}/position").unit for name in results.bodies)
+    return results.length_unit or next(named, "")
 
 
 def _looks(shown: list[Panel], t: np.ndarray) -> list[dict[str, dict]]:
@@ -122,7 +127,7 @@ def _draw_panel(axes: plt.Axes, panel: Panel, looks: dict[str, dict]) -> None:
     nothing = not any(line.y.any() for line in panel.lines)
     axes.set_title(f"{panel.title}: zero throughout" if nothing else panel.title)
     axes.set_ylabel(style.label(panel.quantity, panel.unit))
-    if panel.quantity == "energy":  # zero is part of the picture
+    if panel.quantity in ("energy", "volume"):  # zero is part of the picture
         low, high = min(axes.dataLim.y0, 0.0), max(axes.dataLim.y1, 0.0)
         axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
     else:

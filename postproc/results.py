@@ -74,6 +74,11 @@ class Results:
         """Lowest and highest corner of the domain (2, 3)."""
         return np.asarray(self.file.attrs["domain"]) if "domain" in self.file.attrs else None
 
+    @property
+    def length_unit(self) -> str:
+        """Unit of lengths; "" where an older history does not say."""
+        return str(self.file.attrs.get("length_unit", ""))
+
     @cached_property
     def walls(self) -> set[str]:
         """Sides of the domain that are walls (IBCT 2), "Xmin" to "Zmax", as the deck kept in the file has them."""
@@ -92,7 +97,7 @@ class Results:
     def bodies(self) -> dict[str, int]:
         """Names of the bodies that move -> their numbers, in the order of the deck."""
         group = self.file.get("bodies", {})
-        numbers = {name: int(group[name].attrs.get("number", 0)) for name in group}
+        numbers = {name: int(group[name].attrs.get("number", 0)) for name in group if "position" in group[name]}
         return dict(sorted(numbers.items(), key=lambda item: item[1]))
 
     @cached_property

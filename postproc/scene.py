@@ -1,4 +1,4 @@
-"""The bodies of a run at any time: surfaces of a snapshot, moved to the poses that history.h5 gives.
+"""A run at any time: bodies, surfaces of a snapshot moved to the poses that history.h5 gives, and the liquid.
 
 x(t) = p(t) + R(t) R(t0)^T (x(t0) - p(t0))
 """
@@ -31,12 +31,34 @@ class Surface:
 
 
 class Scene:
-    """All surfaces of a run."""
+    """All surfaces of a run: those of bodies, and the liquid's."""
+
+    liquid_times: np.ndarray = np.zeros(0)
+    liquid_files: tuple[Path, ...] = ()
 
     def __init__(self, results: Results) -> None:
         self.results = results
-        self.times, self.files = _read_collection(results.folder / "vtk" / "case.pvd")
-        self._start = _read_surfaces(self.files[0], self.names)
+        parts = _read_collection(results.folder / "vtk" / "case.pvd")
+        self.times, self.files = parts.get("bodies", (np.zeros(0), []))
+        self._start = _read_surfaces(self.files[0], self.names) if self.files else []
+        if "surface" in parts:
+            self.liquid_times, self.liquid_files = parts["surface"]
+            self.times = self.times if self.files else self.liquid_times
+
+    @property
+    def has_liquid(self) -> bool:
+        return len(self.liquid_files) > 0
+
+    def shown_time(self, t: float) -> float:
+        """The time that a picture of t shows: liquid is there at its snapshots only."""
+        return float(self.liquid_times[np.abs(self.liquid_times - t).argmin()]) if self.has_liquid else t
+
+    def liquid(self, t: float) -> tuple[np.ndarray, np.ndarray] | None:
+        """Points (n, 3) and triangles (m, 3) of the liquid's surface at the snapshot nearest to t; None without."""
+        if not self.has_liquid:
+            return None
+        data = _read_polydata(self.liquid_files[int(np.abs(self.liquid_times - t).argmin())])
+        return (_points(data), _faces(data)) if data.GetNumberOfCells() else None
 
     @cached_property
     def names(self) -> dict[int, str]:
@@ -73,11 +95,17 @@ class Scene:
         """(2, 3): the domain; without a history, what the solids and the moving bodies reach."""
         if self.has_history and self.results.domain is not None:
             return self.results.domain
-        points = np.concatenate([s.points for t in (self.times[0], self.end) for s in self.at(t)])
+        points = np.concatenate([p for t in (self.times[0], self.end) for p in self._all_points(t)] or [np.eye(3)])
         return np.array([points.min(axis=0), points.max(axis=0)])
+
+    def _all_points(self, t: float) -> list[np.ndarray]:
+        liquid = self.liquid(t)
+        return [s.points for s in self.at(t)] + ([liquid[0]] if liquid else [])
 
     def at(self, t: float) -> list[Surface]:
         """Surfaces at a time: exact poses where there is a history, else those of the nearest snapshot."""
+        if not self._start:
+            return []
         if not self.has_history:
             return _read_surfaces(self.files[int(np.abs(self.times - t).argmin())], self.names)
         return [self._moved(surface, t) for surface in self._start]
@@ -134,39 +162,31 @@ def rotation(q: np.ndarray) -> np.ndarray:
     )
 
 
-def _read_collection(path: Path) -> tuple[np.ndarray, list[Path]]:
-    """Times (n,) and files of the snapshots of bodies."""
+def _read_collection(path: Path) -> dict[str, tuple[np.ndarray, list[Path]]]:
+    """Times (n,) and files of the snapshots of "bodies", "surface" (of the liquid), "fields"."""
     if not path.is_file():
         raise WrongRequest(f"{path.parent.parent} holds no vtk/case.pvd, so there is nothing to picture")
     try:
         entries = [(float(e.attrib["timestep"]), e.attrib["file"]) for e in ET.parse(path).iter("DataSet")]
     except (ET.ParseError, KeyError, ValueError) as error:
         raise PostprocError(f"{path} is damaged: {error}") from error
-    entries = [(t, path.parent / name) for t, name in entries if Path(name).name.startswith("bodies_")]
-    if not entries:
-        raise WrongRequest(f"{path} lists no snapshot of bodies yet")
-    return np.array([t for t, _ in entries]), [file for _, file in entries]
+    parts: dict[str, list] = {}
+    for t, name in entries:
+        parts.setdefault(Path(name).name.partition("_")[0], []).append((t, path.parent / name))
+    if not {"bodies", "surface"} & set(parts):
+        raise WrongRequest(f"{path} lists no snapshot of bodies or of a liquid's surface yet")
+    return {part: (np.array([t for t, _ in taken]), [file for _, file in taken]) for part, taken in parts.items()}
 
 
 def _read_surfaces(path: Path, names: dict[int, str]) -> list[Surface]:
     """Split a .vtp file into its bodies."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkCommonCore import vtkCommand
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-    if not path.is_file():
-        raise PostprocError(f"the snapshot {path} is missing")
-    failed: list[str] = []
-    reader = vtkXMLPolyDataReader()
-    reader.AddObserver(vtkCommand.ErrorEvent, lambda *_: failed.append("error"))
-    reader.SetFileName(str(path))
-    reader.Update()
-    data = reader.GetOutput()
+    data = _read_polydata(path)
     cells = data.GetCellData()
-    if failed or not data.GetNumberOfCells() or not cells.HasArray("component"):
+    if not data.GetNumberOfCells() or not cells.HasArray("component"):
         raise PostprocError(f"the snapshot {path} is damaged")
-    points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
-    faces = vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    points, faces = _points(data), _faces(data)
     owner, kind, speed = (vtk_to_numpy(cells.GetArray(name)) for name in ("component", "kind", "speed"))
     surfaces = []
     for number in np.unique(owner):
@@ -178,3 +198,32 @@ def _read_surfaces(path: Path, names: dict[int, str]) -> list[Surface]:
             Surface(int(number), name, stationary, points[used], local.reshape(-1, 3), float(speed[mine[0]]))
         )
     return surfaces
+
+
+def _read_polydata(path: Path) -> object:
+    """The vtkPolyData of a .vtp file."""
+    from vtkmodules.vtkCommonCore import vtkCommand
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+    if not path.is_file():
+        raise PostprocError(f"the snapshot {path} is missing")
+    failed: list[str] = []
+    reader = vtkXMLPolyDataReader()
+    reader.AddObserver(vtkCommand.ErrorEvent, lambda *_: failed.append("error"))
+    reader.SetFileName(str(path))
+    reader.Update()
+    if failed:
+        raise PostprocError(f"the snapshot {path} is damaged")
+    return reader.GetOutput()
+
+
+def _points(data: object) -> np.ndarray:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    return vtk_to_numpy(data.GetPoints().GetData()).astype(float)
+
+
+def _faces(data: object) -> np.ndarray:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    return vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3)

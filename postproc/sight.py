@@ -39,6 +39,8 @@ def frame_of(scene: Scene) -> Frame:
     What leaves the domain through an open side would make all else tiny; it flies out of the picture.
     """
     domain = scene.bounds
+    if scene.has_liquid:  # it goes everywhere
+        return Frame(domain, floor=_floor(scene, domain))
     swept = swept_box(scene)
     if swept is None:
         return Frame(domain, floor=_floor(scene, domain))

@@ -63,17 +63,18 @@ class Strip:
 
 def draw_strip(results: Results, names: list[str], width: float, notice: Callable[[str], None]) -> Strip:
     """The bodies at a few times, `names` in their colours, for a page of this width [inches]."""
-    times = _picture_times(results, names)
     try:
-        frame = frame_of(Scene(results))
+        scene = Scene(results)
+        times = np.unique([scene.shown_time(t) for t in _picture_times(results, names)])
+        frame = frame_of(scene)
         wide, high = silhouette("iso", frame)
-        columns = next(n for n, most in BESIDE if wide <= most * high)
+        columns = min(next(n for n, most in BESIDE if wide <= most * high), len(times))
         across = max(LEAST, round(DOTS * width / columns))
         size = (across, max(LEAST, min(across, round(AIR * across * high / wide))))
         images = _images(results, times, names, size, notice)
     except PostprocError as error:
         notice(f"no pictures: {error}")
-        return Strip([], times, PICTURES, None, 0)
+        return Strip([], np.zeros(0), PICTURES, None, 0)
     crowd = len(results.bodies) > len(COLOURS)
     return Strip(images, times, columns, frame, crowd * (len(results.bodies) - len(names)))
 
@@ -90,7 +91,7 @@ def _images(
 
 def place_strip(figure: plt.Figure, place: SubplotSpec, strip: Strip, results: Results) -> None:
     """Put the pictures into the figure, each under its time."""
-    rows = -(-PICTURES // strip.columns)
+    rows = -(-len(strip.images) // strip.columns) or 1
     cells = place.subgridspec(rows, strip.columns, wspace=0.02)
     for k, image in enumerate(strip.images):
         axes = figure.add_subplot(cells[k // strip.columns, k % strip.columns])

@@ -11,6 +11,7 @@ from flowgmo.building.contacts import build_contacts
 from flowgmo.building.domain import build_mesh
 from flowgmo.building.effects import list_effects
 from flowgmo.building.findings import Findings
+from flowgmo.building.fluid import build_fluid
 from flowgmo.building.times import build_clock, build_output
 from flowgmo.deck import Deck, DeckError
 from flowgmo.model import Model
@@ -31,6 +32,7 @@ def build_model(deck: Deck, folder: Path | None = None) -> Model:
     if found.problems:
         raise DeckError(found.problems, found.notices)
     contacts = build_contacts(found, bodies, mesh)
+    fluid = build_fluid(found, mesh, bodies)
     if found.problems:
         raise DeckError(found.problems, found.notices)
     return Model(
@@ -44,7 +46,7 @@ def build_model(deck: Deck, folder: Path | None = None) -> Model:
         mesh=mesh,
         bodies=bodies,
         contacts=contacts,
-        effects=list_effects(deck, bodies, contacts),
-        fluid=None,
+        effects=list_effects(deck, bodies, contacts, fluid),
+        fluid=fluid,
         notices=tuple(str(notice) for notice in found.notices),
     )

@@ -20,7 +20,7 @@ def build_shape(found: Findings, m: int) -> Component | None:
     if len(pieces) < len(numbers):
         return None
     try:
-        return Component(pieces, _transform(deck, "G", m))
+        return Component(pieces, build_transform(deck, "G", m))
     except GeometryError as error:
         found.problem(
             "IOB", numbers[0], wrong=f"component {m} has no usable shape: {error}", write="Correct its subcomponents"
@@ -39,44 +39,47 @@ def _piece(found: Findings, n: int) -> Piece | None:
     inner, outer = deck.at("RTORIN", n), deck.at("RTOROUT", n)
     return Piece(
         role=ROLES[int(deck.at("IOH", n))],
-        limits=Limits(
-            x=_range(deck, "XL", "XH", n),
-            y=_range(deck, "YL", "YH", n),
-            z=_range(deck, "ZL", "ZH", n),
-            radius=_range(deck, "RAL", "RAH", n),
-            sphere=_range(deck, "RSL", "RSH", n),
-            angle=_range(deck, "ANGLL", "ANGLH", n),
-            cone=_range(deck, "CONEL", "CONEH", n),
-        ),
-        quadric=_quadric(deck, n),
+        limits=build_limits(deck, "", n),
+        quadric=build_quadric(deck, "", n),
         torus=Torus(float(inner), float(outer)) if (outer or -1.0) > 0.0 else None,
         stl=stl,
-        transform=_transform(deck, "", n),
+        transform=build_transform(deck, "", n),
         density=density,
         name=str(deck.at("SUBCMPID", n) or f"subcomponent {n}"),
     )
 
 
-def _range(deck: Deck, low: str, high: str, n: int) -> tuple[float | None, float | None]:
-    """Limiters as a pair; None where the deck gives none or an infinite one."""
+def build_limits(deck: Deck, prefix: str, n: int) -> Limits:
+    """Limiters of subcomponent n (prefix ''), or of region n of the liquid ('F'); None where unbounded."""
 
     def bound(name: str) -> float | None:
         value = deck.at(name, n) if deck.given(name, n) else None
         return None if value is None or not np.isfinite(value) else float(value)
 
-    return bound(low), bound(high)
+    def pair(stem: str) -> tuple[float | None, float | None]:
+        return bound(f"{prefix}{stem}L"), bound(f"{prefix}{stem}H")
+
+    return Limits(
+        x=pair("X"),
+        y=pair("Y"),
+        z=pair("Z"),
+        radius=pair("RA"),
+        sphere=pair("RS"),
+        angle=pair("ANGL"),
+        cone=pair("CONE"),
+    )
 
 
-def _quadric(deck: Deck, n: int) -> Quadric | None:
-    """None where only limiters act: all coefficients but the constant are zero."""
-    values = [float(deck.at(name, n)) for name in COEFFICIENTS]
-    if not any(values[1:]):
+def build_quadric(deck: Deck, prefix: str, n: int) -> Quadric | None:
+    """The quadric of a subcomponent or region; None where only limiters act: a constant that holds everywhere."""
+    values = [float(deck.at(f"{prefix}{name}", n)) for name in COEFFICIENTS]
+    if not any(values[1:]) and values[0] <= 0.0:
         return None
     return Quadric(*values)
 
 
-def _transform(deck: Deck, prefix: str, k: int) -> Transform:
-    """Magnify, rotate, translate of a subcomponent (prefix '') or a component ('G')."""
+def build_transform(deck: Deck, prefix: str, k: int) -> Transform:
+    """Magnify, rotate, translate of a subcomponent (prefix ''), a component ('G'), or a region of the liquid ('F')."""
 
     def three(stem: str) -> tuple[float, float, float]:
         return tuple(float(deck.at(f"{prefix}{stem.replace('*', axis)}", k)) for axis in "XYZ")
@@ -86,7 +89,7 @@ def _transform(deck: Deck, prefix: str, k: int) -> Transform:
         magnify_axes=three("MAGN*"),
         rotate=three("ROT*"),
         translate=three("TRN*"),
-        centre=three("*TRFC") if not prefix else tuple(float(deck.at(f"G{axis}TRFC", k)) for axis in "XYZ"),
+        centre=three("*TRFC"),
     )
 
 

@@ -46,6 +46,7 @@ def build_output(found: Findings, clock: ClockPlan) -> OutputPlan:
     """Intervals of history, snapshots and log, and the probes' places. Problems: more times than can be kept."""
     deck = found.deck
     probes = sorted({k for name in ("XLOC", "YLOC", "ZLOC") for (k,) in deck.indices(name)})
+    probes = [k for k in probes if deck.at("IF_PROBE_ENABLED", k)]
     places = [[float(deck.at(f"{axis}LOC", k) or 0.0) for axis in "XYZ"] for k in probes]
     return OutputPlan(
         history=_output_intervals(found, "THPLTD", clock),
@@ -54,6 +55,7 @@ def build_output(found: Findings, clock: ClockPlan) -> OutputPlan:
         log=_output_intervals(found, "TSPRTD", clock),
         restart_wall=float(deck["RESTART_DT"]),
         probes=np.array(places, dtype=float).reshape(-1, 3),
+        probe_numbers=tuple(probes),
     )
 
 

@@ -99,6 +99,11 @@ def outside(deck: Values, _row: Row, _index: tuple[int, ...]) -> float | None:
     return deck["P_REFERENCE"] if deck["IPGAUGE"] == 0 else 0.0
 
 
+def liquid(deck: Values, _row: Row, _index: tuple[int, ...]) -> int:
+    """1 where FLHT is given, else 2 where VLIN is, else 0"""
+    return 1 if deck.given("FLHT") else 2 if deck.given("VLIN") and deck["VLIN"] > 0 else 0
+
+
 def unbounded(_deck: Values, row: Row, _index: tuple[int, ...]) -> float:
     """unbounded"""
     return -math.inf if row.name.endswith(("L", "MN")) else math.inf
@@ -167,7 +172,7 @@ NAMED: dict[str, Default] = {
     f.__name__: f
     for f in (
         *(delt, consft, omega, cdis1, rmtke, rmdtke, itmax, itdtmx, itvsmx, atmosphere, rhoair, freezing),
-        *(outside, unbounded, stl, inertia, axis, plane, cells),
+        *(outside, liquid, unbounded, stl, inertia, axis, plane, cells),
     )
 }
 

@@ -8,7 +8,7 @@ from .variables import ALIASES, BLOCKS, REGISTRY, SPELLINGS, of_block
 
 TYPES = {"int": "whole number", "real": "number", "char": "text", "logical": ".true. or .false."}
 MARKS = {"computed": "", "accepted": "-", "known": "*", "alias": "="}
-MARKS_TEXT = "- no effect on the answer   ~ for liquid, not computed yet   * known but not computed   = old name"
+MARKS_TEXT = "- no effect on the answer   ~ for liquid   * known but not computed   = old name"
 
 
 def explain(name: str) -> str:
@@ -67,7 +67,7 @@ def class_text(row: Row) -> str:
             return f"known, not computed; acts only together with {row.switch.lower()}"
         off = default_text(row)
         return "known, not computed" + ("" if off == "none" else f"; {off} is off")
-    text = "for liquid, not computed yet" if row.needs else "computed"
+    text = "computed, for liquid" if row.needs else "computed"
     if row.not_yet:
         text += f"; known, not computed: {', '.join(show(value) for value in row.not_yet)}"
     return text

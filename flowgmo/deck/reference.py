@@ -12,7 +12,7 @@ Generated from the registry (`flowgmo/deck/variables*.py`) by `make docs`; do no
 {count} variables in {blocks} blocks. *Class* says what flowgmo does with a variable: **computed** (does what it says),
 **accepted** (read, no effect on the answer), **known** (would change the answer and is not computed: a value other than
 the one that switches it off stops the run, unless `&flowgmo ignore_unsupported=.true.`), **for liquid** (no effect in a
-dry deck, one without `rhof`; liquid is not computed yet). A time-dependent array `a(t,...)` may come from a file:
+dry deck, one without `rhof`). A time-dependent array `a(t,...)` may come from a file:
 `fa(...)` names it, `iac(...)` is its column (column 1 is time).
 
 Sources: M the vendor's list of variables, D1-D4 real decks, T the report, S1/S2 the ancestor codes, I inferred.

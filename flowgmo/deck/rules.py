@@ -12,6 +12,8 @@ from .errors import Notice, Problem
 from .row import Row, show
 from .rules_bodies import RULES as BODIES
 from .rules_bodies import components
+from .rules_fluid import RULES as FLUID
+from .rules_fluid import density, described
 from .rules_mass import RULES as MASS
 from .rules_mesh import RULES as MESH
 from .rules_motion import RULES as MOTION
@@ -20,16 +22,16 @@ from .store import Index
 from .variables import REGISTRY
 
 IGNORE = "or run without it by &flowgmo ignore_unsupported=.true."
-NO_LIQUID = -1e7  # FLHTBCT at or below such a height means no liquid; decks write -1e8, the default is -1e10
 
 
 def check(deck: Deck) -> tuple[list[Problem], list[Notice]]:
     """All that the rules find."""
-    findings = [*not_computed(deck), *several_meshes(deck), *periodic_bodies(deck), *liquid(deck)]
+    findings = [*not_computed(deck), *several_meshes(deck), *periodic_bodies(deck)]
+    findings += [*bodies_in_liquid(deck), *density(deck)]
     if deck["IGNORE_UNSUPPORTED"]:
         findings = [Notice(*vars(finding).values()) for finding in findings]
         _switch_off(deck)
-    for rule in (*TIME, *MESH, *BODIES, *MOTION, *MASS):
+    for rule in (*TIME, *MESH, *BODIES, *MOTION, *MASS, *(FLUID if deck.given("RHOF") else ())):
         findings += rule(deck)
     problems = [f for f in findings if isinstance(f, Problem)]
     notices = [f for f in findings if not isinstance(f, Problem)]
@@ -81,31 +83,14 @@ def periodic_bodies(deck: Deck) -> Iterator[Problem]:
         yield deck.problem("IBCT", side, wrong=wrong, write=f"Write ibct({side})=1, or 3 to let bodies leave, {IGNORE}")
 
 
-def _described(deck: Deck) -> list[tuple[str, Index]]:
-    """Variables that describe liquid."""
-    found: list[tuple[str, Index]] = []
-    if deck.given("FLHT"):
-        found.append(("FLHT", ()))
-    found += [(name, ()) for name in ("VLIN", "NFLS") if deck[name] > 0]
-    for name, none in (("FBCT", 0.0), ("FLHTBCT", NO_LIQUID)):
-        for index in deck.indices(name):
-            if deck.at("IBCT", index[1]) in (5, 6) and deck.at(name, *index) > none:
-                found.append((name, index))
-                break
-    return found
-
-
-def liquid(deck: Deck) -> Iterator[Problem]:
-    """Liquid is asked for, or described without its density."""
-    described = _described(deck)
-    if deck.given("RHOF"):
-        others = ", ".join(name.lower() for name, _ in described)
+def bodies_in_liquid(deck: Deck) -> Iterator[Problem]:
+    """Bodies that move in liquid."""
+    moving = [m for m in components(deck) if deck.at("IMO", m) in (3, 4)]
+    if moving and deck.given("RHOF"):
+        others = ", ".join(name.lower() for name, _ in described(deck))
         write = "Remove rhof" + (f" (and {others})" if others else "") + " to run the bodies dry"
-        yield deck.problem("RHOF", wrong="liquid is not computed yet", write=f"{write}, {IGNORE}")
-        return
-    for name, index in described:
-        wrong = "this describes liquid, and the deck gives no density rhof"
-        yield deck.problem(name, *index, wrong=wrong, write="Give rhof in &props, or remove this to run the bodies dry")
+        wrong = f"bodies that move in liquid, imo({moving[0]})={deck.at('IMO', moving[0])}, are not computed yet"
+        yield deck.problem("RHOF", wrong=wrong, write=f"{write}, {IGNORE}")
 
 
 def _switch_off(deck: Deck) -> None:
@@ -113,5 +98,5 @@ def _switch_off(deck: Deck) -> None:
     for row in REGISTRY.values():
         for index in _asked(deck, row):
             deck.drop(row.name, *index)
-    if deck.given("RHOF"):
+    if any(bodies_in_liquid(deck)):
         deck.drop("RHOF")

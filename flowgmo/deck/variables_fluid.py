@@ -106,7 +106,7 @@ PYA | real | plane | - | degrees | | M | position of a mesh plane by angle
 
 FL = """
 = computed, needs liquid
-IFLINITTYP | int | | 0 | - | 0 1 2 3* | M D1 D2 D4 | \
+IFLINITTYP | int | | @liquid | - | 0 1 2 3* | M D1 D2 D4 | \
     liquid at the start: 0 regions only, 1 up to FLHT, 2 the volume VLIN
 FLHT | real | | - | length | | M D1 S | height of the liquid at the start
 VLIN | real | | 0.0 | length3 | >= 0 | M D3 | volume of the liquid at the start, surface level

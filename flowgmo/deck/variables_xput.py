@@ -99,8 +99,9 @@ IFVOF | int | | 6 | - | 0 2* 3 4 5 6 | M D1 D2 D4 | \
     how liquid is moved: 4 donor cell (also 3), 6 surfaces as planes (also 5)
 IFPK | int | | 0 | - | 0 1* | M D3 | packing of liquid that numerical errors have thinned
 IMPVIS | int | | 0 | - | 0 1 2 3 | M D1 | viscosity: 0 explicit, else implicit
-IFDYNCONV | int | | 1 | - | | M | 1 the pressure tolerance follows the flow
 EPSADJ | real | | 1.0 | - | > 0 | M D1-4 | factor of the pressure tolerance
+IGMRES | int | | 1 | - | 0 1 2 | M D1 | \
+    pressure solver: 0 plain successive over-relaxation, else multigrid with conjugate gradients
 = accepted
 CFPK | real | | 1.0 | - | >= 0 | M D3 | strength of the packing
 IMPADV IMPADV2 | int | | 0 | - | | M D3 | implicit advection
@@ -108,7 +109,7 @@ DT_THRESH | real | | 0.0 | time | | M | step below which advection turns implici
 V_THRESH | real | | 1e10 | length/time | | M | speed above which advection turns implicit
 DTIMPX | real | | 1e10 | time | | M | largest step of implicit advection
 IMP | int | | 1 | - | 0 1 2 | M D1 | pressure coupling; here always implicit
-IGMRES | int | | 1 | - | 0 1 2 | M D1 | kind of pressure solver; here multigrid with conjugate gradients
+IFDYNCONV | int | | 1 | - | | M | 1 the pressure tolerance follows the flow, as here always
 IADIX IADIY IADIZ | int | | 1 | - | 0 1 | M | the pressure is solved along lines in {axis}
 OMEGA | real | | @omega | - | > 0 | M D1 | relaxation of the pressure iterations
 EPSI | real | | -1.0 | - | | M D1-4 | constant pressure tolerance
@@ -148,8 +149,8 @@ LIMITS = """
 = computed, needs liquid
 EPS | real | | 1e-4 | - | 0..0.5 | M D3 | open fractions nearer than this to 0 or 1 become 0 or 1
 VFCLEAN | real | | 0.05 | - | 0..1 | M D3 | lone cells with a smaller open volume are closed
-= accepted
 ITMAX | int | | @itmax | - | >= 1 | M D3 | pressure iterations in a step at most
+= accepted
 ITMIN | int | | 1 | - | >= 0 | M | pressure iterations in a step at least
 ITDTMX | int | | @itdtmx | - | >= 1 | M | pressure iterations that call for a smaller step
 ITFLMX | int | | 25 | - | >= 0 | M D3 | failures of the pressure solver in a run at most

@@ -8,6 +8,7 @@ from __future__ import annotations
 from importlib import import_module
 
 _HOME = {
+    "Fields": "fields",
     "History": "history",
     "OutputError": "errors",
     "RestartError": "errors",

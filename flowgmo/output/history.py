@@ -1,4 +1,4 @@
-"""history.h5: how the bodies moved and collided, one dataset per body and quantity (layout: history_layout.py).
+"""history.h5: how bodies and liquid moved, one dataset per body or gauge and quantity (layout: history_layout.py).
 
 Rows wait in memory and go to the file in one go, each time followed by a flush of HDF5. When `flush()` returns, all
 rows so far are safe: a run killed later leaves a readable file that lacks only what came after. Killed inside a flush
@@ -37,7 +37,7 @@ class History:
         self._waiting_bytes = 0
         self._impacts: list[np.ndarray] = []
         self._tables: dict[str, h5py.Dataset] = {}
-        self._has_bodies = False
+        self._has_tables = False
         expected = len(model.output.history.times(model.clock.end)) + 1
         self._chunk = int(np.clip(expected, 16, LONGEST_CHUNK))  # 16: HDF5 pays about 100 bytes for each chunk
         if resume_at is not None and self.path.exists():
@@ -53,7 +53,7 @@ class History:
         if len(rows.t) == 0:
             return
         self._waiting.append(rows)
-        self._waiting_bytes += rows.p_WB.nbytes * 5  # about five vectors a body
+        self._waiting_bytes += rows.p_WB.nbytes * 5 + sum(a.nbytes for a in rows.liquid.values())  # 5 vectors a body
         if self._waiting_bytes > FULL_BUFFER:
             self.flush()
 
@@ -81,7 +81,11 @@ class History:
         rows = sum(len(r.t) for r in self._waiting)
         hits = sum(len(impacts) for impacts in self._impacts)
         width = sum(np.prod(column.columns, dtype=int) for column in layout.BODY) * len(self.model.moving)
-        tables = len(self._tables) + (0 if self._has_bodies else len(layout.BODY) * len(self.model.moving))
+        liquid = self._waiting[0].liquid if self._waiting else {}
+        width += sum(np.prod(a.shape[1:], dtype=int) for a in liquid.values())
+        tables = len(self._tables)
+        if not self._has_tables:
+            tables += len(layout.BODY) * len(self.model.moving) + len(liquid) + len(self.model.output.probes)
         chunks = (rows + self._chunk) * (1 + width + len(layout.ENERGY)) * 8
         return int(chunks + (hits + self._chunk) * IMPACT.itemsize + tables * TABLE_OVERHEAD)
 
@@ -104,6 +108,7 @@ class History:
         file.attrs.update({"format": layout.FORMAT, "format_version": layout.FORMAT_VERSION, "title": model.title})
         file.attrs.update({"units": model.units, "bodies": len(model.bodies)})
         file.attrs.update({"domain": model.mesh.bounds, "gravity": model.gravity})
+        file.attrs["length_unit"] = unit("length", model.units)
         file.attrs.update({f"version_{name}": value for name, value in versions().items()})
         file.create_dataset("deck", data=model.resolved_deck or "\n", dtype=h5py.string_dtype())
         file["deck"].attrs["meaning"] = "complete deck, defaults filled in"
@@ -115,7 +120,9 @@ class History:
             where = "space axes" if columns else ""
             self._table(f"collisions/{name}", columns, quantity, where, meaning, IMPACT[name].base)
         group["regime"].attrs["names"] = list(REGIMES)
-        file.create_group("bodies").attrs["meaning"] = "bodies that move, by their names in the deck (OBSID)"
+        file.create_group("bodies").attrs["meaning"] = (
+            "bodies that move, or whose load is recorded, by their names in the deck (OBSID)"
+        )
         file.create_group("energy").attrs["meaning"] = "books of energy"
         file.flush()
 
@@ -133,9 +140,9 @@ class History:
         self._tables[name] = table
         return table
 
-    def _create_body_tables(self, rows: Rows) -> None:
+    def _create_tables(self, rows: Rows) -> None:
         """Tables of what the first rows hold: None in them means that the scene does not have the quantity."""
-        self._has_bodies = True
+        self._has_tables = True
         for body in self.model.moving:
             group = self._file["bodies"].create_group(body.name)
             group.attrs.update({"number": body.number, "kind": body.kind, "constraint": body.constraint})
@@ -151,10 +158,29 @@ class History:
                     table.attrs["point"] = "reference point" if body.mass is None else "mass centre"
         for name in rows.energy:
             self._table(f"energy/{name}", (), "energy", "whole scene", layout.ENERGY.get(name, name))
+        for name in rows.liquid:
+            column = layout.liquid_column(name)
+            self._table(name, column.columns, column.quantity, column.location, column.meaning)
+        if rows.liquid:
+            self._describe_gauges()
+
+    def _describe_gauges(self) -> None:
+        """What and where the gauges of the liquid are."""
+        model, file = self.model, self._file
+        for number, place in zip(model.output.probe_numbers, model.output.probes, strict=True):
+            x = file.create_dataset(f"probes/{number}/x", data=place)
+            x.attrs.update({"unit": unit("length", model.units), "meaning": "place of the probe"})
+        for plane in model.fluid.planes:
+            group = file[f"planes/{plane.number}"]
+            group.attrs.update({"axis": "xyz"[plane.axis], "position": plane.position, "lo": plane.lo, "hi": plane.hi})
+        for load in model.fluid.loads:
+            body = model.bodies[load.body - 1]
+            group = file[f"bodies/{body.name}"]
+            group.attrs.update({"number": body.number, "kind": body.kind, "point": load.point})
 
     def _append_rows(self, waiting: list[Rows]) -> None:
-        if not self._has_bodies:
-            self._create_body_tables(waiting[0])
+        if not self._has_tables:
+            self._create_tables(waiting[0])
         _append(self._tables["time"], np.concatenate([r.t for r in waiting]))
         for column in layout.BODY:
             if getattr(waiting[0], column.source) is None:
@@ -165,6 +191,8 @@ class History:
                 _append(self._tables[f"bodies/{body.name}/{column.name}"], by_body[body.number - 1])
         for name in waiting[0].energy:
             _append(self._tables[f"energy/{name}"], np.concatenate([r.energy[name] for r in waiting]))
+        for name in waiting[0].liquid:
+            _append(self._tables[name], np.concatenate([r.liquid[name] for r in waiting]))
 
     def _append_impacts(self, impacts: np.ndarray) -> None:
         for name in layout.COLLISIONS:
@@ -190,10 +218,15 @@ class History:
         self._file.visititems(self._remember)
         if not {"time", "collisions/time"} <= set(self._tables):
             return "it is damaged (tables are missing)"
-        self._has_bodies = any(name.startswith("bodies/") for name in self._tables)
-        if self._has_bodies and set(self._file["bodies"]) != {body.name for body in self.model.moving}:
+        self._has_tables = any(name.startswith(("bodies/", "fluid/")) for name in self._tables)
+        if self._has_tables and set(self._file["bodies"]) != self._recorded_bodies():
             return "it holds other bodies than the deck"
         return ""
+
+    def _recorded_bodies(self) -> set[str]:
+        """Names of the bodies that move, and of those whose load is recorded."""
+        loads = self.model.fluid.loads if self.model.fluid is not None else ()
+        return {body.name for body in self.model.moving} | {self.model.bodies[load.body - 1].name for load in loads}
 
     def _forget_after(self, resume_at: float) -> None:
         rows = int(np.searchsorted(self._tables["time"][:], resume_at, side="right"))

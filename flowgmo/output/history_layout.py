@@ -54,6 +54,42 @@ ENERGY = {
     "remainder": "what the books of energy miss",
 }
 
+#: What is recorded of the liquid: group -> dataset -> (columns, quantity, location, meaning). In the file a group is
+#: `fluid`, `boundaries/<side>`, `planes/<k>`, `probes/<k>`, `bodies/<OBSID>`. `source` of such a Column is its name.
+LIQUID = {
+    "fluid": {
+        "volume": ((), "volume", "", "volume of the liquid"),
+        "volume_error": ((), "none", "", "part that is too much (> 0) or missing, of start + inflow - outflow"),
+        "kinetic_energy": ((), "energy", "", "kinetic energy of the liquid"),
+        "potential_energy": ((), "energy", "", "of the liquid in gravity, from the corner of the domain it points at"),
+        "wet_share": ((), "none", "", "cells that hold liquid, part of all"),
+    },
+    "boundaries": {"volume": ((), "volume", "this side", "liquid that came in since t = 0, < 0 what left")},
+    "planes": {"flow": ((), "flow", "this plane", "volume of liquid per time, along the axis")},
+    "probes": {
+        "p": ((), "pressure", "at the probe", "pressure"),
+        "u": ((), "velocity", "at the probe", "velocity along x; 0 where dry"),
+        "v": ((), "velocity", "at the probe", "velocity along y; 0 where dry"),
+        "w": ((), "velocity", "at the probe", "velocity along z; 0 where dry"),
+        "F": ((), "none", "at the probe", "liquid fraction"),
+        "height": ((), "length", "column of the probe", "z of the surface; of the floor where dry"),
+    },
+    "bodies": {
+        "force": ((3,), "force", "space axes", "force of the liquid on the body, the void's pressure apart"),
+        "torque": ((3,), "torque", "space axes, about the attribute `point` of the group", "torque of the liquid"),
+        "force_pressure": ((3,), "force", "space axes", "part of the force that pressure makes"),
+        "force_shear": ((3,), "force", "space axes", "part of the force that viscous shear makes"),
+        "wetted_area": ((), "area", "", "area of the wall that liquid touches"),
+    },
+}
+
+
+def liquid_column(name: str) -> Column:
+    """The dataset of a name such as `probes/3/p`; `name` of the Column is the whole of it."""
+    columns, quantity, location, meaning = LIQUID[name.partition("/")[0]][name.rpartition("/")[2]]
+    return Column(name, name, columns, quantity, location, meaning)
+
+
 #: Columns of one impact: name -> (columns, quantity, meaning). Types are those of records.IMPACT.
 COLLISIONS = {
     "time": ((), "time", "time of the impact"),

@@ -97,16 +97,22 @@ class RunLog:
             self.print(f"continued at t = {self._resumed:.6g}")
         self.print("")
 
-    def progress(self, t: float, step: int, dt: float, impacts: int) -> None:
-        """Say how far the run is. For every step: with nothing to say it costs less than a microsecond."""
+    def progress(self, t: float, step: int, dt: float, impacts: int | None, solution: int | None = None) -> None:
+        """Say how far the run is. For every step: with nothing to say it costs less than a microsecond.
+
+        impacts so far, None where nothing collides; solution: iterations of the step's pressure, None in a dry scene.
+        """
         now = self._clock()
         if now >= self._next_bar and self.console.is_terminal:
             self._next_bar = now + BAR_EVERY
-            self._on_terminal(self._draw_bar, t, step, dt, impacts)
+            self._on_terminal(self._draw_bar, t, step, dt, impacts, solution)
         if now - self._last_line < LINE_EVERY or not self._line_due(t):
             return
         self._last_line = now
-        line = f"t {t:<12.6g} step {step:<9} dt {dt:<11.4g} impacts {impacts:<8} wall {_wall(now - self._start)}"
+        line = f"t {t:<12.6g} step {step:<9} dt {dt:<11.4g} "
+        line += "" if solution is None else f"iterations {solution:<5} "
+        line += "" if impacts is None else f"impacts {impacts:<8} "
+        line += f"wall {_wall(now - self._start)}"
         self._print_to_file(Text(line))
         if not self.console.is_terminal:
             self._on_terminal(self.console.print, Text(line))
@@ -119,7 +125,7 @@ class RunLog:
         self._line_times = self._line_times[passed:]
         return True
 
-    def _draw_bar(self, t: float, step: int, dt: float, impacts: int) -> None:
+    def _draw_bar(self, t: float, step: int, dt: float, impacts: int | None, solution: int | None) -> None:
         if self._bar is None:
             self._bar = Progress(
                 BarColumn(bar_width=28),
@@ -131,7 +137,9 @@ class RunLog:
             )
             self._bar.start()
             self._task = self._bar.add_task("", total=self._end, completed=self._resumed or 0.0)
-        what = f"t {t:.4g} of {self._end:.4g}   step {step}   dt {dt:.3g}   {impacts} impacts   left"
+        what = f"t {t:.4g} of {self._end:.4g}   step {step}   dt {dt:.3g}   "
+        what += "" if solution is None else f"{solution} iterations   "
+        what += ("" if impacts is None else f"{impacts} impacts   ") + "left"
         self._bar.update(self._task, completed=t, description=what)
         self._bar.refresh()
 

@@ -88,6 +88,8 @@ def footer(summary: dict, units: str) -> Iterator[RenderableType]:
     yield _facts(summary)
     if summary.get("effects"):
         yield _below(_effects_cost(summary["effects"]))
+    if summary.get("liquid"):
+        yield _below(_liquid(summary["liquid"], units))
     if summary.get("energy"):
         yield _below(_energy(summary["energy"], unit("energy", units)))
     collisions = summary.get("collisions") or {}
@@ -106,10 +108,10 @@ def _facts(summary: dict) -> RenderableType:
         facts.append(f"{duration(wall)} wall time" + (f", {duration(wall / steps)} a step" if steps else ""))
     if summary.get("peak_memory_bytes"):
         facts.append(f"peak memory {summary['peak_memory_bytes'] / 2**20:.0f} MiB")
-    if summary.get("volume_error") is not None:
+    if summary.get("volume_error") is not None and not summary.get("liquid"):
         facts.append(f"volume error {summary['volume_error']:.2e}")
     total = (summary.get("collisions") or {}).get("total")
-    if total is not None:
+    if total is not None and (total or not summary.get("liquid")):
         facts.append(f"{total} impacts")
     return Text("  ·  ".join(facts))
 
@@ -118,6 +120,28 @@ def _effects_cost(costs: dict) -> Table:
     table = _table("time in", ("seconds", "right"), ("share", "right"))
     for name, cost in sorted(costs.items(), key=lambda item: -item[1]["seconds"]):
         table.add_row(escape(name), f"{cost['seconds']:.3f}", f"{100 * cost['share']:.1f} %")
+    return table
+
+
+def _liquid(liquid: dict, units: str) -> Table:
+    """Volume and energies at the end, what the steps were bounded by, how the pressure was solved (flow/tally.py)."""
+    table = _table("liquid", ("", "right"))
+    for name, quantity in (("volume", "volume"), ("kinetic_energy", "energy"), ("potential_energy", "energy")):
+        if liquid.get(name) is not None:
+            table.add_row(name.replace("_", " "), f"{liquid[name]:.6g} {unit(quantity, units)}")
+    if liquid.get("volume_error") is not None:
+        table.add_row("volume error", f"{liquid['volume_error']:.2e}")
+    pressure = liquid.get("pressure") or {}
+    if pressure.get("solutions"):
+        table.add_row("pressure iterations", f"{pressure['mean']:.1f} mean, {pressure['most']} most")
+    courant = liquid.get("courant") or {}
+    if courant.get("most") is not None:
+        table.add_row("Courant number", f"{courant['mean']:.3f} mean, {courant['most']:.3f} most")
+    shares = liquid.get("steps_bounded_by") or {}
+    if shares:
+        table.add_row("steps bounded by", ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items()))
+    if liquid.get("shortened"):
+        table.add_row("steps tried again, shorter", str(liquid["shortened"]))
     return table
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from flowgmo.flow.fields import Flow
+from flowgmo.mesh import GHOST_LAYERS
 from flowgmo.model import Model
 from flowgmo.output.deck_text import assignments
 from flowgmo.output.errors import RestartError, make_folder, reason_of, replacing, writing
@@ -15,7 +17,7 @@ from flowgmo.output.software import versions
 from flowgmo.state import State, initial_state
 
 FORMAT = "flowgmo restart"
-FORMAT_VERSION = 3  # raised whenever State changes
+FORMAT_VERSION = 4  # raised whenever State changes
 
 #: Deck variables that may change between a run and its continuation: the end, the steps (their defaults follow from
 #: the end), and when output is written.
@@ -42,7 +44,9 @@ def write_restart(path: Path, model: Model, state: State) -> None:
         group = file.create_group("state")
         for field in fields(State):
             value = getattr(state, field.name)
-            if value is not None:
+            if isinstance(value, Flow):
+                _write_flow(group.create_group(field.name), value)
+            elif value is not None:
                 group.create_dataset(field.name, data=value)
         file.flush()
         image = file.id.get_file_image()
@@ -117,4 +121,26 @@ def _state(path: Path, group: h5py.Group, model: Model) -> State:
         else:
             value = type(old)(value)
         setattr(state, field.name, value)
+    if model.fluid is not None:
+        state.fluid = _flow(path, group["fluid"], model)
     return state
+
+
+def _write_flow(group: h5py.Group, flow: Flow) -> None:
+    for field in fields(Flow):
+        value = getattr(flow, field.name)
+        if value is not None:
+            group.create_dataset(field.name, data=value)
+
+
+def _flow(path: Path, group: h5py.Group, model: Model) -> Flow:
+    """The liquid: arrays of the mesh's size with ghosts, books, numbers."""
+    wanted = tuple(n + 2 * GHOST_LAYERS for n in model.mesh.blocks[0].shape)
+    values = {field.name: group[field.name][()] if field.name in group else None for field in fields(Flow)}
+    for name, value in values.items():
+        if value is None:
+            continue
+        if (np.ndim(value) == 3 and value.shape != wanted) or not np.isfinite(value).all():
+            raise RestartError(f"{path} is damaged: fluid/{name} has shape {np.shape(value)}, or is not finite")
+        values[name] = float(value) if np.ndim(value) == 0 else value
+    return Flow(**values)

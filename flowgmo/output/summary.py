@@ -21,7 +21,8 @@ def write_run_json(path: Path, summary: dict) -> None:
     effects       name -> {"seconds", "share"}
     energy        name -> number, names as in `/energy` of history.h5
     collisions    {"total", "per_body": name -> {"count", "impulse"}}
-    versions, command_line;  volume_error only with liquid;  limits  list of texts
+    volume_error, liquid (Tally.summary and the last row's volume and energies)   only with liquid
+    versions, command_line;  limits  list of texts
     """
     path = Path(path)
     if summary.get("status") not in STATUSES:

@@ -8,12 +8,14 @@ _NAMES = {
     "eng": ("ft", "slug", "s", "lbf", "ft lbf"),
     "generic": ("length", "mass", "time", "mass length/time^2", "mass length^2/time^2"),
 }
+_PRESSURES = {"si": "Pa", "cgs": "dyn/cm^2", "eng": "lbf/ft^2", "generic": "mass/(length time^2)"}
 
 
 def unit(quantity: str, system: str) -> str:
     """The unit of a quantity ("length", "velocity", "torque" ...) in a system: si, cgs, eng; any other: generic."""
     key = system.strip().lower()
-    length, mass, time, force, energy = _NAMES[key if key in _NAMES else "generic"]
+    key = key if key in _NAMES else "generic"
+    length, mass, time, force, energy = _NAMES[key]
     return {
         "none": "1",
         "length": length,
@@ -28,4 +30,8 @@ def unit(quantity: str, system: str) -> str:
         "impulse": f"{force} {time}" if force in ("N", "dyn", "lbf") else f"{mass} {length}/{time}",
         "inertia": f"{mass} {length}^2",
         "density": f"{mass}/{length}^3",
+        "area": f"{length}^2",
+        "volume": f"{length}^3",
+        "flow": f"{length}^3/{time}",
+        "pressure": _PRESSURES[key],
     }[quantity]

@@ -1,8 +1,10 @@
-"""vtk/: the surfaces of all bodies at the snapshots, and case.pvd, which ParaView opens.
+"""vtk/: bodies, the liquid's surface, and the fields in all cells at the snapshots; case.pvd, which ParaView opens.
 
     bodies_000012.vtp   points [length]; point data velocity [length/time]; cell data component (number in the deck),
                         kind (0 solid, 1 prescribed, 2 coupled), speed of the body's point [length/time]
-    case.pvd            the times; valid after every snapshot
+    surface_000012.vtp  triangles of the liquid's surface (surface.py); none in it where there is none
+    fields_000012.vtr   cell data p [pressure], F, velocity [length/time], V (cells.py); at full snapshots only
+    case.pvd            the times, parts 0 bodies, 1 surface, 2 fields; valid after every snapshot
 
 A surface is cut into triangles once and moved rigidly: x(t) = p + R (x(0) - p(0)), v(x) = v + w × (x - p).
 """
@@ -16,49 +18,87 @@ import numpy as np
 
 from flowgmo.bodies.body import COUPLED, PRESCRIBED, SOLID, Body
 from flowgmo.model import Model
+from flowgmo.output import vtk_files as files
+from flowgmo.output.cells import cells_of, real
 from flowgmo.output.errors import NotContinued, make_folder, replacing, writing
+from flowgmo.output.surface import liquid_surface
 from flowgmo.state import State
 
+PARTS = {"bodies": "vtp", "surface": "vtp", "fields": "vtr"}
+DIGITS = 6  # of the number in a file's name
 KINDS = (SOLID, PRESCRIBED, COUPLED)
 FINE, COARSE, MANY = 48, 24, 50  # triangles around a circle: fine, or coarse from so many bodies on (file size)
 
 
 class Snapshots:
-    """The series of snapshots of a run. `resume_at` [time]: continue, drop snapshots after that time."""
+    """The series of snapshots of a run. `resume_at` [time]: continue, drop snapshots after that time.
 
-    def __init__(self, folder: Path, model: Model, resume_at: float | None = None) -> None:
+    V: open fractions with ghosts, None without solids or liquid; may be set until the first `write`.
+    """
+
+    def __init__(self, folder: Path, model: Model, resume_at: float | None = None, V: np.ndarray | None = None) -> None:
         self.folder = Path(folder) / "vtk"
-        self.model = model
-        self._times: list[float] = []
+        self.model, self.V = model, V
+        self._taken: list[tuple[float, list[str]]] = []  # times, and the parts written at each
         self._surfaces: Surfaces | None = None
-        if not model.bodies:
+        if not model.bodies and model.fluid is None:
             return
         make_folder(self.folder)
         with writing(self.folder / "case.pvd"):
             if resume_at is not None and (self.folder / "case.pvd").exists():
-                self._times = [t for t in self._read_times() if t <= resume_at]
-            for file in sorted(self.folder.glob("bodies_*.vtp"))[len(self._times) :]:
-                file.unlink()
+                self._taken = [(t, parts) for t, parts in self._read_times() if t <= resume_at]
+            for part in PARTS:
+                for file in self.folder.glob(f"{part}_*"):
+                    if not file.stem[-DIGITS:].isdigit() or int(file.stem[-DIGITS:]) >= len(self._taken):
+                        file.unlink()
         self._write_times()
 
-    def write(self, state: State) -> None:
-        """Add the bodies at the state's time; a second snapshot of the same time replaces the first."""
-        if not self.model.bodies:
+    def write(self, state: State, full: bool = True) -> None:
+        """Add what there is at the state's time; a second snapshot of the same time replaces the first.
+
+        full: with the fields in all cells; else bodies and the liquid's surface only.
+        """
+        if not self.model.bodies and self.model.fluid is None:
             return
-        if self._surfaces is None:
-            self._surfaces = Surfaces(self.model)
-        if self._times and self._times[-1] == state.t:
-            self._times.pop()
-        write_polydata(self.folder / self._name(len(self._times)), self._surfaces, state)
-        self._times.append(float(state.t))
+        if self._taken and self._taken[-1][0] == state.t:
+            self._taken.pop()
+        k, parts = len(self._taken), []
+        if self.model.bodies:
+            self._surfaces = self._surfaces or Surfaces(self.model)
+            write_bodies(self._path("bodies", k), self._surfaces, state)
+            parts.append("bodies")
+        if state.fluid is not None and state.fluid.F is not None:
+            self._write_surface(self._path("surface", k), state)
+            parts.append("surface")
+        if state.fluid is not None and full:
+            self._write_fields(self._path("fields", k), state)
+            parts.append("fields")
+        self._taken.append((float(state.t), parts))
         self._write_times()
 
-    @staticmethod
-    def _name(k: int) -> str:
-        return f"bodies_{k:06d}.vtp"
+    def _write_surface(self, path: Path, state: State) -> None:
+        closed = None if self.V is None else real(self.V) == 0.0
+        points, faces = liquid_surface(
+            real(state.fluid.F), closed, self.model.mesh.blocks[0].planes, self.model.gravity
+        )
+        files.write(path, files.triangles(points, faces, state.t))
+
+    def _write_fields(self, path: Path, state: State) -> None:
+        cells = cells_of(state.fluid, self.V, self.model.fluid.void_pressure)._asdict()
+        if self.V is not None:
+            cells["V"] = real(self.V)
+        shown = {name: a for name, a in cells.items() if a is not None}
+        files.write(path, files.rectilinear(self.model.mesh.blocks[0].planes, shown, state.t))
+
+    def _path(self, part: str, k: int) -> Path:
+        return self.folder / f"{part}_{k:0{DIGITS}d}.{PARTS[part]}"
 
     def _write_times(self) -> None:
-        lines = [f'    <DataSet timestep="{t!r}" part="0" file="{self._name(k)}"/>' for k, t in enumerate(self._times)]
+        lines = [
+            f'    <DataSet timestep="{t!r}" part="{list(PARTS).index(part)}" file="{self._path(part, k).name}"/>'
+            for k, (t, parts) in enumerate(self._taken)
+            for part in parts
+        ]
         text = "\n".join(
             [
                 '<?xml version="1.0"?>',
@@ -73,10 +113,14 @@ class Snapshots:
         with replacing(self.folder / "case.pvd") as temporary:
             temporary.write_text(text)
 
-    def _read_times(self) -> list[float]:
+    def _read_times(self) -> list[tuple[float, list[str]]]:
         path = self.folder / "case.pvd"
         try:
-            return [float(entry.attrib["timestep"]) for entry in ET.parse(path).iter("DataSet")]
+            taken: dict[float, list[str]] = {}
+            for entry in ET.parse(path).iter("DataSet"):
+                part = entry.attrib["file"].partition("_")[0]
+                taken.setdefault(float(entry.attrib["timestep"]), []).append(part)
+            return sorted(taken.items())
         except (ET.ParseError, KeyError, ValueError) as error:
             raise NotContinued(path, f"it is damaged, so it cannot be continued ({error})") from error
 
@@ -125,46 +169,14 @@ def _triangles(body: Body, domain: np.ndarray, resolution: int) -> tuple[np.ndar
     return np.asarray(points, dtype=float).reshape(-1, 3), np.asarray(faces, dtype=np.int64).reshape(-1, 3)
 
 
-def write_polydata(path: Path, surfaces: Surfaces, state: State) -> None:
-    """One .vtp file, compressed, numbers in single precision."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk
-    from vtkmodules.vtkCommonCore import vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-
+def write_bodies(path: Path, surfaces: Surfaces, state: State) -> None:
+    """One .vtp file of all bodies."""
     points, velocity = surfaces.at(state)
     speed = np.where(surfaces.moves, np.linalg.norm(state.v_WB, axis=1), 0.0)
     owner = surfaces.face_owner
-
-    def array(values: np.ndarray, kind: type, name: str) -> object:
-        made = numpy_to_vtk(np.ascontiguousarray(values, dtype=kind), deep=True)
-        made.SetName(name)
-        return made
-
-    data, corners, cells = vtkPolyData(), vtkPoints(), vtkCellArray()
-    corners.SetData(array(points, np.float32, "Points"))
-    ends = np.arange(0, 3 * len(surfaces.faces) + 1, 3)
-    cells.SetData(array(ends, np.int32, "offsets"), array(surfaces.faces.ravel(), np.int32, "connectivity"))
-    data.SetPoints(corners)
-    data.SetPolys(cells)
-    data.GetPointData().SetVectors(array(velocity, np.float32, "velocity"))
-    data.GetCellData().AddArray(array(owner + 1, np.int32, "component"))
-    data.GetCellData().AddArray(array(surfaces.kinds[owner], np.int8, "kind"))
-    data.GetCellData().AddArray(array(speed[owner], np.float32, "speed"))
-    data.GetFieldData().AddArray(array([state.t], np.float64, "TimeValue"))
-    with replacing(path) as temporary:
-        temporary.write_bytes(_encoded(data))
-
-
-def _encoded(data: object) -> bytes:
-    """The content of a .vtp file. Python writes it, since VTK prints what fails instead of raising it."""
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
-
-    writer = vtkXMLPolyDataWriter()
-    writer.SetInputData(data)
-    writer.SetDataModeToAppended()
-    writer.EncodeAppendedDataOff()
-    writer.SetCompressorTypeToZLib()
-    writer.WriteToOutputStringOn()
-    writer.Write()
-    content = writer.GetOutputString()  # bytes, or text where they happen to be UTF-8
-    return content.encode() if isinstance(content, str) else content
+    data = files.triangles(points, surfaces.faces, state.t)
+    data.GetPointData().SetVectors(files.numbers(velocity, np.float32, "velocity"))
+    data.GetCellData().AddArray(files.numbers(owner + 1, np.int32, "component"))
+    data.GetCellData().AddArray(files.numbers(surfaces.kinds[owner], np.int8, "kind"))
+    data.GetCellData().AddArray(files.numbers(speed[owner], np.float32, "speed"))
+    files.write(path, data)

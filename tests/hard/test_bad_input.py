@@ -147,7 +147,7 @@ WRONG = {
         deck("imo(1)=4, rhomvb(1)=1."),
         ["bad.nml:8: &obs obsid(1)", "no solid subcomponent", "Write iob(n)=1"],
     ),
-    "liquid": (deck(more="&props rhof=1000. /\n"), ["bad.nml:14: &props rhof=1000.0", "liquid is not computed yet"]),
+    "liquid": (deck(more="&props rhof=1000. /\n"), ["bad.nml:14: &props rhof=1000.0", "not computed yet"]),
     "liquid without density": (deck(more="&fl flht=.5 /\n"), ["bad.nml:14: &fl flht=0.5", "rhof"]),
     "not computed": (deck(xput="ifvis=4"), ["bad.nml:4: &xput ifvis=4", "not computed", "Write ifvis=0"]),
     "imo without imobs": (
@@ -262,7 +262,7 @@ def readable(folder):
 @pytest.mark.parametrize("what", ["history", "restart", "pictures", "log"])
 def test_a_full_disk(flowgmo, tmp_path, monkeypatch, what):
     """Exit 1 with the file and the reason; the restart file of the last good landing is there and can be used."""
-    from flowgmo.output import log, restart, vtk
+    from flowgmo.output import log, restart, vtk_files
 
     def told(self, *_):
         with log.writing(self.path):
@@ -273,7 +273,7 @@ def test_a_full_disk(flowgmo, tmp_path, monkeypatch, what):
     where, name, now = {
         "history": (os, "posix_fallocate", after(2, os.posix_fallocate)),
         "restart": (restart, "_identity", after(2, restart._identity)),
-        "pictures": (vtk, "_encoded", after(40, vtk._encoded)),
+        "pictures": (vtk_files, "encoded", after(40, vtk_files.encoded)),
         "log": (log.RunLog, "progress", told),
     }[what]
     with monkeypatch.context() as patch:

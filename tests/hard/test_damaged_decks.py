@@ -116,8 +116,55 @@ BALLS = """Balls, a ram and an anvil: all that can collide
  /
 """
 
-SEEDS = (COLLISIONS, DRIVEN, MINIMAL, WET)
-BUILDABLE = (BALLS, COLLISIONS.replace("iclid=1", "iclid=0"), DRIVEN, MINIMAL)
+DAM = """A column of water falls past a box, with a stream from the right
+ &xput
+  remark='a free surface, and what the sides bring', twfin=3.,
+  gz=-9.81,
+  itb=1, ifvisc=1, con=.45, ipdis=1, delt=1e-3,
+  tpltd(1)=.5,
+ /
+ &props
+  units='si', tunits='c',
+  rhof=1000.,
+  mu1=1e-3,
+ /
+ &bcdata
+  remark='a stream from the right',
+  ibct=2,6,4,4,2,5,
+  fbct(1,6)=0., pbct(1,6)=0.,
+  timbct=0.,1.,
+  ubct(1,2)=-1.,-2.,
+  ihpbct(2)=1, flhtbct(1,2)=.5,
+ /
+ &mesh
+  px=0.,3.22, nxcelt=161,
+  py=0.,1., nycelt=50,
+  pz=0.,1., nzcelt=50,
+ /
+ &obs
+  nobs=1, obsid(1)='box', iob(1)=1,
+  ifrco(1)=1,
+  xl(1)=.6635, xh(1)=.8245,
+  yl(1)=.295, yh(1)=.698, zl(1)=0., zh(1)=.161,
+ /
+ &fl
+  flht=.1, nfls=2,
+  fxl(1)=1.992, fzh(1)=.55, ureg(1)=.1,
+  fioh(2)=0, frsh(2)=.1, ftrnx(2)=2.5,
+  fluidregionname(2)='bubble',
+ /
+ &grafic
+  xloc(1)=.9, yloc(1)=.5, zloc(1)=.1,
+ /
+ &flowgmo
+  planex(1)=1.5, planezh(1)=.5,
+ /
+ &parts
+ /
+"""
+
+SEEDS = (COLLISIONS, DRIVEN, MINIMAL, WET, DAM)
+BUILDABLE = (BALLS, COLLISIONS.replace("iclid=1", "iclid=0"), DRIVEN, MINIMAL, DAM)
 GARBAGE = (
     "&",
     "/",
@@ -203,7 +250,7 @@ def check_damaged(
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_undamaged(seed: str, tmp_path: Path) -> None:
-    """The decks to be damaged are sound, but for the liquid of one of them."""
+    """The decks to be damaged are sound, but for the body that one of them lets move in liquid."""
     path = tmp_path / "deck.nml"
     path.write_text(seed)
     if seed is WET:

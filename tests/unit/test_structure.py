@@ -17,16 +17,19 @@ ROOT = PACKAGE.parent
 
 #: What each part may import from the package. `deck` and `geometry` know nobody; the physics does not know the deck.
 BASE = {"errors", "kernel", "compiler", "vectors", "records"}
-MODEL = {"bodies.body", "mesh", "model"}
+MODEL = {"bodies.body", "flow_plan", "mesh", "model"}
 MAY = {
     "deck": {"errors"},
     "geometry": {"errors"},
     "bodies": BASE | {"bodies", "geometry", "mesh", "model", "state"},
     "collision": BASE | {"collision", "bodies", "geometry", "mesh", "model", "state", "world"},
-    "output": BASE | {"output", "bodies.body", "bodies.energy", "geometry", "mesh", "model", "state", ""},
-    "building": {"building", "deck", "geometry", "mesh", "model", "bodies.body", "errors"},
+    "output": BASE
+    | {"output", "bodies.body", "bodies.energy", "flow.fields", "geometry", "mesh", "model", "state", ""},
+    "building": {"building", "deck", "flow_plan", "geometry", "mesh", "model", "bodies.body", "errors"},
+    "flow_plan": {"geometry", "mesh"},
     "model": MODEL | {"geometry"},
-    "state": {"model"},
+    "state": {"flow.fields", "model"},
+    "flow": BASE | {"flow", "flow_plan", "mesh", "model", "state"},
     "records": set(),
     "mesh": set(),
     "vectors": {"kernel"},

@@ -26,8 +26,8 @@ PROBLEMS = [
     ({"bcdata": "ibct(3)=7"}, "ibct(3)=7", "Write ibct(3)=1"),
     ({"bcdata": "ibct(1)=9,10,11"}, "ibct(1)=9", "(and 2 more)"),
     # dry or wet
-    ({"props": "rhof=1000."}, "rhof=1000.0", "Remove rhof to run the bodies dry"),
-    ({"props": "rhof=1000.", "fl": "flht=.5, nfls=1"}, "rhof=1000.0", "Remove rhof (and flht, nfls)"),
+    ({"props": "rhof=1000."}, "rhof=1000.0", "imo(1)=4, are not computed yet. Remove rhof to run the bodies dry"),
+    ({"props": "rhof=1000.", "add_xput": "itb=1", "fl": "flht=.5, nfls=1"}, "rhof=1000.0", "rhof (and flht, nfls)"),
     ({"fl": "flht=.5"}, "flht=0.5", "rhof"),
     ({"fl": "vlin=.5"}, "vlin=0.5", "rhof"),
     ({"fl": "nfls=1"}, "nfls=1", "rhof"),
@@ -161,7 +161,7 @@ def test_ignore_unsupported(read) -> None:
         props="rhof=1000.",
         fl="flht=.5",
         bcdata="ibct(1)=9",
-        obs="nobs=1, iob(1)=1, xl(1)=0., imo(1)=2, nsprp=2",
+        obs="nobs=2, iob=1,2, xl=2*0., imo=2,3, nsprp=2",
     )
     assert sorted(notice.variable.partition("=")[0] for notice in deck.notices) == [
         *("ibct(1)", "ifin", "ifsft", "imo(1)", "nsprp", "rhof"),

@@ -1,0 +1,98 @@
+"""&XPUT, &LIMITS, &PROPS and the parts of the other files -> FluidPlan."""
+
+from __future__ import annotations
+
+from flowgmo.bodies.body import SOLID, Body
+from flowgmo.building.boundaries import build_sides, check_balance, check_directions
+from flowgmo.building.findings import Findings
+from flowgmo.building.gauges import build_loads, build_planes, check_probes
+from flowgmo.building.liquid import build_start
+from flowgmo.building.memory import check_memory
+from flowgmo.deck import Deck
+from flowgmo.flow_plan import GROWTH, MOST_COURANT, CleanUp, FluidPlan, PressurePlan, StepPlan
+from flowgmo.mesh import Mesh
+
+TRACKING = {4: "donor", 6: "plic"}  # 3 and 5 are read as 4 and 6 (deck/store.py)
+
+
+def build_fluid(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> FluidPlan | None:
+    """The liquid of a deck that gives RHOF; None for a dry one, or, with problems, if it cannot be computed."""
+    deck = found.deck
+    if not deck.given("RHOF"):
+        return None
+    check_memory(found, mesh)
+    check_directions(found, mesh)
+    check_probes(found, mesh)
+    _check_open(found, mesh, bodies)
+    void_pressure = float(deck["PVOID"])
+    sides = build_sides(found, mesh, void_pressure)
+    if deck["ITB"] == 0 and deck["RCSQL"] == 0.0:
+        check_balance(found, sides, mesh, bodies)
+    mu = _viscosity(found)
+    return FluidPlan(
+        rho=float(deck["RHOF"]),
+        mu=mu,
+        implicit_viscosity=mu is not None and deck["IMPVIS"] > 0,
+        no_slip=mu is not None and deck["IWSH"] == 1,
+        compressibility=float(deck["RCSQL"]) or None,
+        order=int(deck["IORDER"]),
+        free_surface=deck["ITB"] == 1,
+        tracking=TRACKING[int(deck["IFVOF"])] if deck["ITB"] == 1 else None,
+        void_pressure=void_pressure,
+        steps=_steps(found),
+        pressure=PressurePlan(float(deck["EPSADJ"]), int(deck["ITMAX"]), plain_sor=deck["IGMRES"] == 0),
+        clean_up=_clean_up(deck),
+        start=build_start(found, mesh, void_pressure),
+        sides=sides,
+        planes=build_planes(found, mesh),
+        loads=build_loads(found, bodies),
+    )
+
+
+def _viscosity(found: Findings) -> float | None:
+    """mu; None where the liquid is not viscous, whichever line says so."""
+    deck = found.deck
+    mu = float(deck["MU1"])
+    name = "MU1" if deck.given("MU1") or not deck.given("MUI") else "MUI"
+    if deck["IFVISC"] == 0:
+        if mu > 0.0:
+            found.notice(name, wrong="ifvisc=0 switches viscosity off", write="Write ifvisc=1 for viscous liquid")
+        return None
+    if mu == 0.0:
+        found.notice("IFVISC", wrong="the viscosity is zero, so that this has no effect", write="Give mu1 in &props")
+    return mu or None
+
+
+def _steps(found: Findings) -> StepPlan:
+    deck = found.deck
+    courant = float(deck["CON"])
+    if courant > MOST_COURANT:
+        found.notice("CON", wrong=f"taken as con={MOST_COURANT}, up to which the liquid's fractions stay within bounds")
+        courant = MOST_COURANT
+    return StepPlan(
+        adapt=int(deck["AUTOT"]), courant=courant, surface_courant=float(deck["CONFS"]), growth=GROWTH,
+    )  # fmt: skip
+
+
+def _clean_up(deck: Deck) -> CleanUp:
+    """AVRCK with either sign is its size: decks write -3.1."""
+    sliver = abs(float(deck["AVRCK"])) if deck["IAVRCK"] == 1 else 0.0
+    return CleanUp(snap=float(deck["EPS"]), smallest_volume=float(deck["VFCLEAN"]), sliver=sliver or None)
+
+
+def _check_open(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> None:
+    """Problem: one solid holds all eight corners of the domain, and being convex all of it.
+
+    What several solids fill together is found when the open fractions are made.
+    """
+    lo, hi = mesh.bounds
+    corners = [[(lo, hi)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)]
+    for body in bodies:
+        convex = body.shape.as_sphere() is not None or len(body.shape.as_boxes() or ()) == 1
+        if body.kind == SOLID and convex and (body.shape.distance(corners) <= 0.0).all():
+            found.problem(
+                "OBSID" if found.deck.given("OBSID", body.number) else "NOBS",
+                *((body.number,) if found.deck.given("OBSID", body.number) else ()),
+                wrong=f"{body.name} fills the whole mesh, there is no room for liquid",
+                write="Check its limits, or the mesh planes",
+            )  # fmt: skip

@@ -1,0 +1,241 @@
+"""The six sides of the domain: ghost values of velocity, fraction and pressure. All ghosts are filled here.
+
+kind          normal velocity on the side     ghosts of velocity      F           pressure equation
+1 symmetry    0                               mirrored                mirrored    closed
+2 wall        0                               mirrored (shear: wall_shear.py)     closed
+3 continuative as inside                      as inside               as inside   closed, the flow out is given
+4 periodic    of the other side               of the other side       other side  joined
+5 pressure    found by the projection         as inside               given       held, half a cell outside
+6 velocity    given                           given                   given       closed, the flow is given
+8 outflow     leaves at its own speed         as inside               as inside   closed, the flow out is given
+
+index along a direction:   0   1 | 2  ..  n + 1 | n + 2  n + 3      faces on the sides: 1 and n + 1
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flowgmo.flow.fields import G, Grid
+from flowgmo.flow_plan import SidePlan, SideValues
+from flowgmo.mesh import CONTINUATIVE, OUTFLOW, PERIODIC, PRESSURE, SYMMETRY, VELOCITY, WALL
+
+CLOSED = (SYMMETRY, WALL)
+GIVEN = (CONTINUATIVE, VELOCITY, OUTFLOW)  # the projection takes the side's velocity as it is
+
+
+class Sides:
+    """What holds on the six sides (`plans`, SidePlan) at one time.
+
+    gravity (3,), rho: for the hydrostatic pressure under a given height (along z, as in the deck).
+    """
+
+    def __init__(self, plans: Sequence[SidePlan], grid: Grid, z: np.ndarray, rho: float, gravity: np.ndarray) -> None:
+        self.plans, self.grid, self.z, self.rho, self.gravity = tuple(plans), grid, z, rho, gravity
+        self.widths = (grid.dx, grid.dy, grid.dz)
+        self.n = tuple(len(w) - 2 * G for w in self.widths)
+        self.periodic = tuple(plans[2 * d].kind == PERIODIC for d in range(3))
+        self.set_time(0.0)
+
+    def lower_face_acts(self, d: int) -> bool:
+        """Whether the pressure moves the faces on the lower side along d."""
+        return self.plans[2 * d].kind in (PRESSURE, PERIODIC)
+
+    def set_time(self, t: float) -> None:
+        """Take the tables' values at this time."""
+        self.values = [plan.at(t) for plan in self.plans]
+
+    # ---- velocity
+
+    def fill_velocity(self, velocity: Sequence[np.ndarray | None]) -> None:
+        """Ghosts of u, v, w, and their values on sides where they are 0, given, or joined."""
+        for d in range(3):
+            for upper in (False, True):
+                plan = self.plans[2 * d + upper]
+                for e, a in enumerate(velocity):
+                    if a is None:
+                        continue
+                    if e == d:
+                        self._normal(a, d, upper, plan)
+                    else:
+                        given = self.values[2 * d + upper].velocity if plan.kind == VELOCITY else None
+                        self._beside(a, d, upper, plan, None if given is None else given[e])
+
+    def _normal(self, a: np.ndarray, d: int, upper: bool, plan: SidePlan) -> None:
+        """Velocity across a side: on the side itself and in the ghosts."""
+        n, at = self.n[d], lambda k: _plane(a, d, k)
+        side, ghosts = (n + 1, (n + 2, n + 3)) if upper else (1, (0,))
+        if plan.kind in CLOSED:
+            at(side)[...] = 0.0
+            for m, k in enumerate(ghosts, start=1):
+                inside = side - m if upper else side + m
+                at(k)[...] = -at(int(np.clip(inside, 1, n + 1)))
+        elif plan.kind == PERIODIC:
+            if not upper:
+                at(1)[...] = at(n + 1)
+                at(0)[...] = at(n)
+            else:
+                at(n + 2)[...] = at(2)
+                at(n + 3)[...] = at(min(3, n + 1))
+        else:
+            if plan.kind == VELOCITY:
+                at(side)[...] = self.values[2 * d + upper].velocity[d]
+            for k in ghosts:
+                at(k)[...] = at(side)
+
+    def _beside(self, a: np.ndarray, d: int, upper: bool, plan: SidePlan, given: float | None) -> None:
+        """Velocity along a side, or a value of cells: the ghosts."""
+        for ghost, inside, joined in self._ghosts(d, upper):
+            if given is not None:
+                _plane(a, d, ghost)[...] = given
+            else:
+                _plane(a, d, ghost)[...] = _plane(a, d, joined if plan.kind == PERIODIC else inside)
+
+    def _ghosts(self, d: int, upper: bool) -> list[tuple[int, int, int]]:
+        """(ghost, its mirror image inside, its image on the other side) of both layers."""
+        n = self.n[d]
+        first = [(n + 2 + m, n + 1 - m, 2 + m) if upper else (1 - m, 2 + m, n + 1 - m) for m in range(G)]
+        return [(g, int(np.clip(i, G, n + 1)), int(np.clip(j, G, n + 1))) for g, i, j in first]
+
+    def fill_change(self, c: int, a: np.ndarray) -> None:
+        """Ghosts of a change of component c of the velocity: as of the velocity, 0 where that is given."""
+        for d in range(3):
+            for upper in (False, True):
+                plan = self.plans[2 * d + upper]
+                if plan.kind == VELOCITY:
+                    layers = [g for g, _, _ in self._ghosts(d, upper)] + (
+                        [self.n[d] + 1 if upper else 1] if c == d else []
+                    )
+                    for layer in layers:
+                        _plane(a, d, layer)[...] = 0.0
+                elif c == d:
+                    self._normal(a, d, upper, plan)
+                else:
+                    self._beside(a, d, upper, plan, None)
+
+    def let_out(self, old: Sequence[np.ndarray | None], new: Sequence[np.ndarray | None], dt: float) -> None:
+        """Predicted velocity on continuative, outflow, and pressure sides.
+
+        Outflow: what leaves is carried across the side at its own speed, u_t + u u_n = 0, and nothing comes back
+        (Orlanski 1976, with the local speed). Continuative: as one face inside. Pressure: it gains what the face inside
+        gains; the projection does the rest.
+        """
+        for d in range(3):
+            if new[d] is None:
+                continue
+            for upper in (False, True):
+                kind = self.plans[2 * d + upper].kind
+                if kind not in (CONTINUATIVE, OUTFLOW, PRESSURE):
+                    continue
+                side, inside, sign = (self.n[d] + 1, self.n[d], 1.0) if upper else (1, 2, -1.0)
+                if kind == PRESSURE:
+                    gained = _plane(new[d], d, inside) - _plane(old[d], d, inside)
+                    _plane(new[d], d, side)[...] = _plane(old[d], d, side) + gained
+                    continue
+                if kind == CONTINUATIVE:
+                    _plane(new[d], d, side)[...] = _plane(new[d], d, inside)
+                    continue
+                here, there = _plane(old[d], d, side) * sign, _plane(old[d], d, inside) * sign
+                width = self.widths[d][side if upper else side + 1]
+                share = np.minimum(np.maximum(here, there).clip(0.0) * (dt / width), 1.0)
+                _plane(new[d], d, side)[...] = sign * np.maximum(here + share * (there - here), 0.0)
+
+    # ---- liquid
+
+    def fill_fraction(self, F: np.ndarray | None) -> None:
+        """Ghosts of F: given where liquid may enter, mirrored or joined elsewhere."""
+        if F is None:
+            return
+        for d in range(3):
+            for upper in (False, True):
+                plan = self.plans[2 * d + upper]
+                if plan.kind in (PRESSURE, VELOCITY):
+                    for ghost, _, _ in self._ghosts(d, upper):
+                        _plane(F, d, ghost)[...] = self._outside_fraction(self.values[2 * d + upper], d)
+                else:
+                    self._beside(F, d, upper, plan, None)
+
+    def _outside_fraction(self, values: SideValues, d: int) -> np.ndarray | float:
+        height = values.height
+        if height is None:
+            return 1.0 if values.fraction is None else values.fraction
+        if d == 2:
+            return 1.0 if height > self.z[0] else 0.0
+        dz = self.grid.dz
+        bottom = np.concatenate([[self.z[0] - dz[1] - dz[0], self.z[0] - dz[1]], self.z, [self.z[-1] + dz[-2]]])
+        return np.clip((height - bottom) / dz, 0.0, 1.0)[None, :]
+
+    # ---- pressure equation
+
+    def outside_pressure(self, number: int, speed: np.ndarray) -> np.ndarray | float:
+        """Pressure on a pressure side relative to the void's; speed: the velocity along each of its faces' normals
+        into the domain, for a side at stagnation."""
+        plan, values, d = self.plans[number], self.values[number], number // 2
+        height, p = values.height, values.pressure
+        if height is not None and d != 2:
+            centre = np.concatenate([[self.z[0]] * G, 0.5 * (self.z[1:] + self.z[:-1]), [self.z[-1]] * G])
+            p = p + np.maximum(-self.rho * self.gravity[2] * (height - centre), 0.0)[None, :]
+        if plan.stagnation:
+            p = p - 0.5 * self.rho * np.maximum(speed, 0.0) ** 2
+        return p
+
+    def set_coefficients(self, b: Sequence[np.ndarray | None], A: Sequence[np.ndarray | None], wet: np.ndarray) -> None:
+        """b on the sides: 0 where closed or given, held at half a cell where the pressure is given."""
+        for d in range(3):
+            if b[d] is None:
+                continue
+            for upper in (False, True):
+                kind = self.plans[2 * d + upper].kind
+                side = self.n[d] + 1 if upper else 1
+                if kind == PERIODIC:
+                    if not upper:
+                        _plane(b[d], d, 1)[...] = _plane(b[d], d, self.n[d] + 1)
+                elif kind == PRESSURE:
+                    inside = side if upper else side + 1
+                    e, f = (k for k in range(3) if k != d)
+                    area = np.multiply.outer(self.widths[e], self.widths[f])
+                    if A[d] is not None:
+                        area = area * _plane(A[d], d, side)
+                    liquid = _plane(wet, d, inside)
+                    _plane(b[d], d, side)[...] = area * liquid / (0.5 * self.widths[d][inside])
+                else:
+                    _plane(b[d], d, side)[...] = 0.0
+
+    def fill_pressure(self, q: np.ndarray, dt: float, velocity: Sequence[np.ndarray | None]) -> None:
+        """Ghosts of q = p dt / rho next to pressure sides, and joined ones; others stay as they are (their b is 0)."""
+        for d in range(3):
+            for upper in (False, True):
+                plan = self.plans[2 * d + upper]
+                ghost = self.n[d] + 2 if upper else 1
+                if plan.kind == PRESSURE:
+                    u = velocity[d]
+                    into = 0.0 if u is None else _plane(u, d, self.n[d] + 1 if upper else 1) * (-1.0 if upper else 1.0)
+                    _plane(q, d, ghost)[...] = self.outside_pressure(2 * d + upper, into) * (dt / self.rho)
+        self.join(q)
+
+    def join(self, a: np.ndarray) -> None:
+        """Ghosts of a cell value at periodic sides."""
+        join(a, self.periodic)
+
+
+def join(a: np.ndarray, periodic: Sequence[bool]) -> None:
+    """The first ghosts of a cell value at periodic sides (d): the first cells of the other side."""
+    for d in range(3):
+        if periodic[d]:
+            n = a.shape[d] - 2 * G
+            _plane(a, d, 1)[...] = _plane(a, d, n + 1)
+            _plane(a, d, n + 2)[...] = _plane(a, d, 2)
+
+
+def join_faces(b: Sequence[np.ndarray | None], periodic: Sequence[bool]) -> None:
+    """The faces on the lower side are those on the upper one."""
+    for d in range(3):
+        if periodic[d] and b[d] is not None:
+            _plane(b[d], d, 1)[...] = _plane(b[d], d, b[d].shape[d] - 2 * G + 1)
+
+
+def _plane(a: np.ndarray, d: int, k: int) -> np.ndarray:
+    """The layer k along direction d, a view."""
+    return a[(slice(None),) * d + (k,)]

@@ -1,0 +1,96 @@
+"""From a Model to the Liquid that steps it, and to the Flow it starts from."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.errors import FlowgmoError
+from flowgmo.flow.boundary import Sides
+from flowgmo.flow.columns import all_columns
+from flowgmo.flow.fields import Flow, G, Open, grid_of
+from flowgmo.flow.fractions import Solids, open_fractions
+from flowgmo.flow.initial_liquid import Region, initial_liquid
+from flowgmo.flow.liquid import DUST, Liquid, default_threads
+from flowgmo.flow.measures import total
+from flowgmo.flow.stages import settle_pressure
+from flowgmo.model import Model
+
+
+def build_liquid(model: Model, threads: int | None = None) -> Liquid:
+    """Grid, open fractions, sides, solver of a wet scene. Raises FlowgmoError where nothing is open."""
+    (block,) = model.mesh.blocks
+    plan = model.fluid
+    grid = grid_of(block)
+    solids = _solids(model)
+    sides = Sides(plan.sides, grid, block.z, plan.rho, model.gravity)
+    liquid = Liquid(plan, grid, solids, sides, model.gravity, threads or default_threads())
+    for body, share in zip(model.bodies, solids.shares, strict=False):
+        liquid.walls[body.number] = (share.cells, share.faces)
+    return liquid
+
+
+def _solids(model: Model) -> Solids:
+    (block,) = model.mesh.blocks
+    shapes = [body.shape for body in model.bodies]
+    if not shapes:
+        return Solids(Open(None, None, None, None), (), np.zeros(0), None)
+    clean_up = model.fluid.clean_up
+    try:
+        return open_fractions(block, shapes, least=clean_up.snap, lone=clean_up.smallest_volume, area_ratio=None)
+    except ValueError as error:
+        raise FlowgmoError(str(error)) from error
+
+
+def initial_flow(liquid: Liquid, model: Model) -> Flow:
+    """The liquid at t = 0, with ghosts filled, and with the pressure it has at rest or is given."""
+    (block,) = model.mesh.blocks
+    start = model.fluid.start
+    velocity = [
+        np.full(liquid.shape, x) if there else None for x, there in zip(start.velocity, liquid.present, strict=True)
+    ]
+    p = np.full(liquid.shape, start.pressure)
+    F = None
+    if model.fluid.free_surface:
+        F = initial_liquid(
+            block,
+            liquid.openings,
+            [body.shape for body in model.bodies],
+            [Region(region.shape, region.adds, region.fraction) for region in start.regions],
+            start.height,
+            start.volume,
+            tuple(model.gravity) if np.any(model.gravity) else (0.0, 0.0, -1.0),
+        )
+    for region in start.regions:
+        if region.adds:
+            _set_region(block, region, velocity, p)
+    for u, A in zip(velocity, liquid.openings[1:], strict=True):
+        if u is not None and A is not None:
+            u[A == 0.0] = 0.0
+    flow = Flow(*velocity, p, F, 0.0)
+    liquid.sides.fill_fraction(F)
+    liquid.sides.fill_velocity(flow.velocity)
+    if F is not None:
+        p[F <= DUST] = 0.0
+    if start.hydrostatic:
+        settle_pressure(liquid, flow, model.clock.dt)
+    columns = all_columns(liquid.shape)
+    whole = total(liquid.team, columns, liquid.grid, liquid.openings, flow, model.fluid.rho, liquid.gravity, DUST)
+    flow.start_volume = whole.volume
+    return flow
+
+
+def _set_region(block: object, region: object, velocity: list, p: np.ndarray) -> None:
+    """Velocity and pressure of a region, where centres or faces lie inside."""
+    inner = (slice(G, -G),) * 3
+    centres = [0.5 * (a[1:] + a[:-1]) for a in block.planes]
+    p[inner][_inside(region.shape, centres)] = region.pressure
+    for d, u in enumerate(velocity):
+        if u is not None:
+            at = [block.planes[e][1:] if e == d else centres[e] for e in range(3)]
+            u[inner][_inside(region.shape, at)] = region.velocity[d]
+
+
+def _inside(shape: object, at: list) -> np.ndarray:
+    """Which points (nx, ny, nz) of a lattice lie in a shape."""
+    points = np.stack(np.meshgrid(*at, indexing="ij"), axis=-1).reshape(-1, 3)
+    return (shape.distance(points) < 0.0).reshape([len(a) for a in at])

@@ -1,0 +1,119 @@
+"""Columns: which cells a kernel visits.
+
+One row (i, j, k0, k1) for each vertical line of cells in which anything is marked, from the lowest to above the
+highest marked cell. Water lies in few long vertical runs, so that the loop over k stays long and without branches, and
+dry air costs nothing. Cells in between that are not marked have zero coefficients, or are tested by the kernel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.flow.fields import G
+from flowgmo.kernel import kernel
+
+#: A loop over k runs with unsigned k: numba then needs no test for negative indices, and LLVM vectorises. Neighbours
+#: are k - ONE and k + ONE, since unsigned and plain numbers together would be floats.
+ONE = np.uint64(1)
+
+
+@kernel
+def columns_where(marked, lowest):
+    """Columns (n, 4) int32 of the real cells with marked[i, j, k] > lowest."""
+    nx, ny, nz = marked.shape
+    out = np.empty(((nx - 2 * G) * (ny - 2 * G), 4), np.int32)
+    n = np.int64(0)
+    for i in range(G, nx - G):
+        for j in range(G, ny - G):
+            bottom = np.int64(-1)
+            top = np.int64(-1)
+            for k in range(G, nz - G):
+                if marked[i, j, k] > lowest:
+                    if bottom < 0:
+                        bottom = k
+                    top = k
+            if bottom >= 0:
+                out[n, 0] = i
+                out[n, 1] = j
+                out[n, 2] = bottom
+                out[n, 3] = top + 1
+                n += 1
+    return out[:n].copy()
+
+
+@kernel
+def widen(columns, by, shape, out):
+    """Columns that also hold all cells within `by` cells (in each direction) of the given ones.
+
+    shape (3,) of the arrays with ghosts; out (shape[0], shape[1], 2) int32 scratch. Real cells only.
+    """
+    nx, ny, nz = shape
+    for i in range(nx):
+        for j in range(ny):
+            out[i, j, 0] = nz
+            out[i, j, 1] = 0
+    for c in range(columns.shape[0]):
+        for i in range(max(columns[c, 0] - by, G), min(columns[c, 0] + by + 1, nx - G)):
+            for j in range(max(columns[c, 1] - by, G), min(columns[c, 1] + by + 1, ny - G)):
+                out[i, j, 0] = min(out[i, j, 0], max(columns[c, 2] - by, G))
+                out[i, j, 1] = max(out[i, j, 1], min(columns[c, 3] + by, nz - G))
+    n = np.int64(0)
+    for i in range(nx):
+        for j in range(ny):
+            if out[i, j, 0] < out[i, j, 1]:
+                n += 1
+    wide = np.empty((n, 4), np.int32)
+    n = np.int64(0)
+    for i in range(nx):
+        for j in range(ny):
+            if out[i, j, 0] < out[i, j, 1]:
+                wide[n, 0] = i
+                wide[n, 1] = j
+                wide[n, 2] = out[i, j, 0]
+                wide[n, 3] = out[i, j, 1]
+                n += 1
+    return wide
+
+
+def all_columns(shape: tuple[int, int, int]) -> np.ndarray:
+    """Columns of every real cell of arrays with this shape (with ghosts)."""
+    i, j = np.meshgrid(np.arange(G, shape[0] - G), np.arange(G, shape[1] - G), indexing="ij")
+    ends = np.broadcast_to([G, shape[2] - G], (i.size, 2))
+    return np.column_stack([i.ravel(), j.ravel(), ends]).astype(np.int32)
+
+
+def cells_in(columns: np.ndarray) -> int:
+    """Number of cells that the columns hold."""
+    return int((columns[:, 3] - columns[:, 2]).sum())
+
+
+@kernel
+def columns_under(columns, factors, shape):
+    """Columns of the coarse cells that hold the given fine ones; factors (fx, fy, fz), shape of the coarse arrays."""
+    fx, fy, fz = factors
+    nx, ny, nz = shape
+    ends = np.zeros((nx, ny, 2), np.int32)
+    n = np.int64(0)
+    for c in range(columns.shape[0]):
+        i = (columns[c, 0] - G) // fx + G
+        j = (columns[c, 1] - G) // fy + G
+        bottom = (columns[c, 2] - G) // fz + G
+        top = (columns[c, 3] - 1 - G) // fz + G + 1
+        if ends[i, j, 1] == 0:
+            n += 1
+            ends[i, j, 0] = bottom
+            ends[i, j, 1] = top
+        else:
+            ends[i, j, 0] = min(ends[i, j, 0], bottom)
+            ends[i, j, 1] = max(ends[i, j, 1], top)
+    out = np.empty((n, 4), np.int32)
+    n = np.int64(0)
+    for i in range(nx):
+        for j in range(ny):
+            if ends[i, j, 1] > 0:
+                out[n, 0] = i
+                out[n, 1] = j
+                out[n, 2] = ends[i, j, 0]
+                out[n, 3] = ends[i, j, 1]
+                n += 1
+    return out

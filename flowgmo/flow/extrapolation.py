@@ -1,0 +1,97 @@
+"""Velocities beside the liquid: where the projection says nothing, the stream is continued.
+
+A face belongs to one of
+
+    held         the projection found it (b > 0), or it lies on a side where it is given, or is closed
+    continued    a neighbour (of the 26) is held: the mean of the held ones, weighted by 1 / distance2 in cells
+    free         no neighbour is held, but liquid touches the face: it flies, and keeps the predicted velocity
+    beyond       neighbours are continued or free: their mean
+    none         0
+
+Liquid above the centre of its cell so moves with what lies below it; drops that fill less than half a cell fall freely.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.kernel import flow_kernel
+
+NONE, HELD, CONTINUED, FREE, BEYOND, CLOSED = 0, 1, 2, 3, 4, 5
+
+
+@flow_kernel
+def mark_faces(columns, first, last, b, A, F, step, least, mark):
+    """Sort the upper faces (along `step`, a unit vector of three ints) of the columns' cells into the kinds above.
+
+    F > least is liquid. Only HELD, CLOSED, FREE (all that liquid touches, for now), NONE.
+    """
+    p, q, r = step
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            kind = NONE
+            if b[i, j, k] > 0.0:
+                kind = HELD
+            elif A is not None and A[i, j, k] == 0.0:
+                kind = CLOSED
+            elif F[i, j, k] > least or F[i + p, j + q, k + r] > least:
+                kind = FREE
+            mark[i, j, k] = kind
+
+
+@flow_kernel
+def continue_faces(columns, first, last, source, value, mark):
+    """Faces without a held value take the mean of neighbours of kind `source` or lower (not NONE); mark them.
+
+    source HELD: from held faces, the result is CONTINUED; source FREE: from all that have a value, it is BEYOND.
+    New kinds are written as negative numbers, so that a face never looks at one that was set in the same pass.
+    """
+    nx, ny, nz = mark.shape
+    new = -CONTINUED if source == HELD else -BEYOND
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            kind = mark[i, j, k]
+            if kind == HELD or kind == CLOSED or (source != HELD and kind != NONE):
+                continue
+            total = 0.0
+            weight = 0.0
+            for m in range(max(i - 1, 0), min(i + 2, nx)):
+                for n in range(max(j - 1, 0), min(j + 2, ny)):
+                    for o in range(max(k - 1, 0), min(k + 2, nz)):
+                        there = mark[m, n, o]
+                        if there > NONE and there <= source:
+                            near = 1.0 / ((m - i) ** 2 + (n - j) ** 2 + (o - k) ** 2)
+                            total += near * value[m, n, o]
+                            weight += near
+            if weight > 0.0:
+                value[i, j, k] = total / weight
+                mark[i, j, k] = new
+            elif kind == NONE:
+                value[i, j, k] = 0.0
+
+
+@flow_kernel
+def settle_marks(columns, first, last, mark):
+    """Make the new kinds count."""
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            mark[i, j, k] = abs(mark[i, j, k])
+
+
+def continue_velocity(team, columns, b, A, F, value, direction, least, mark) -> None:
+    """Give every open face of the columns' cells a velocity along `direction` (0, 1, 2), see above.
+
+    columns: wider than the liquid by two cells; value: predicted velocity where the projection found none.
+    mark: int8 scratch of mesh size, 0 outside the columns.
+    """
+    step = tuple(int(d == direction) for d in range(3))
+    team.run(mark_faces, columns, b, A, F, step, least, mark)
+    for source in (HELD, FREE):
+        team.run(continue_faces, columns, np.int64(source), value, mark)
+        team.run(settle_marks, columns, mark)

@@ -1,0 +1,106 @@
+"""The liquid of a scene: what its steps need and keep, made once.
+
+Bytes per cell: fields 40, open fractions 32, here 64, pressure equation 56 + 33 (projection.py, multigrid.py).
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from flowgmo.flow.boundary import Sides
+from flowgmo.flow.columns import all_columns, columns_where, widen
+from flowgmo.flow.donor_acceptor import donor_acceptor_flux
+from flowgmo.flow.fields import Flow, G, Grid
+from flowgmo.flow.fractions import Solids
+from flowgmo.flow.liquid_flux import plic_flux
+from flowgmo.flow.momentum import Momentum
+from flowgmo.flow.projection import Projector
+from flowgmo.flow.surface_tracking import tracking_of
+from flowgmo.flow.tally import Tally
+from flowgmo.flow.team import Team
+from flowgmo.flow.time_step import MOST_COURANT, courant_rate, surface_limit
+from flowgmo.flow_plan import FluidPlan
+
+DUST = 1e-9  # of a cell: less rests where it is and takes no part, so that it does not widen what is computed
+
+#: `IFVOF`: how the liquid crosses faces
+CARRY = {"plic": plic_flux, "donor": donor_acceptor_flux}
+
+
+class Liquid:
+    """Constant: plan (FluidPlan), grid, openings, sides. Scratch: accelerations, the new velocities and fractions.
+
+    near: columns of cells that hold liquid; faces: one cell wider, whose upper faces hold
+    all that liquid touches; about: two cells wider, where velocities are wanted.
+    """
+
+    def __init__(
+        self, plan: FluidPlan, grid: Grid, solids: Solids, sides: Sides, gravity: np.ndarray, threads: int
+    ) -> None:
+        self.plan, self.grid, self.solids, self.sides = plan, grid, solids, sides
+        openings = self.openings = solids.open
+        self.gravity = np.asarray(gravity, dtype=float)
+        self.team = Team(threads)
+        self.shape = tuple(len(d) for d in grid[:3])
+        self.present = tuple(n > 1 + 2 * G for n in self.shape)
+        self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
+        self.projector = Projector(grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor)
+        self.acceleration = self._per_direction()
+        self.predicted = self._per_direction()
+        self.p = np.zeros(self.shape)
+        self.F = None if not plan.free_surface else np.zeros(self.shape)
+        self.mark = np.zeros(self.shape, np.int8) if plan.free_surface else None
+        self.ends = np.zeros((*self.shape[:2], 2), np.int32)
+        self.surface_limit = surface_limit(grid, self.gravity, self.present) if plan.free_surface else np.inf
+        self.tracking = tracking_of(grid, CARRY[plan.tracking]) if plan.free_surface else None
+        self.entered = np.zeros(6)  # [length3] liquid that came in through each side in the step just made
+        self.walls = {}  # body number -> (cells (n, 3), face shares (n, 6)) of the wall it makes
+        self.near = self.faces = self.about = all_columns(self.shape)
+        self.limiting = ""
+        self.courant = 0.0  # of the step just made
+        self.tally = Tally()
+
+    def _per_direction(self) -> list:
+        return [np.zeros(self.shape) if there else None for there in self.present]
+
+    def find_columns(self, F: np.ndarray | None) -> None:
+        """Set `near` and `about` to where the liquid is."""
+        if F is not None:
+            self.near = columns_where(F, DUST)
+            self.faces = widen(self.near, 1, self.shape, self.ends)
+            self.about = widen(self.near, 2, self.shape, self.ends)
+
+    def store(self, flow: Flow, dt: float) -> None:
+        """Make the new values the state's, and the state's old arrays scratch."""
+        old = flow.velocity
+        flow.u, flow.v, flow.w = self.predicted
+        self.predicted = old
+        flow.p, self.p = self.p, flow.p
+        if flow.F is not None:
+            flow.F, self.F = self.F, flow.F
+            flow.passed = flow.passed + self.entered
+        flow.dt = dt
+
+    def longest_step(self, flow: Flow, start: float) -> float:
+        """How long the next step may be [time]; `limiting` names what bounds it. start: DELT, for the first step."""
+        plan = self.plan
+        self.find_columns(flow.F)
+        rate = courant_rate(self.team, self.near, self.grid, flow.F, DUST, [flow.u, flow.v, flow.w])
+        limits = {
+            "flow": min(plan.steps.courant, MOST_COURANT) / rate if rate > 0.0 else np.inf,
+            "surface": plan.steps.surface_courant * self.surface_limit,
+            "viscosity": self.momentum.limit,
+            "growth": flow.dt * plan.steps.growth if flow.dt > 0.0 else start,
+        }
+        self.limiting = min(limits, key=limits.get)
+        return limits[self.limiting]
+
+
+def default_threads() -> int:
+    """The processors this process may use, or as many as `--threads` says."""
+    asked = os.environ.get("NUMBA_NUM_THREADS", "")
+    if asked.isdigit():
+        return int(asked)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)

@@ -1,0 +1,226 @@
+"""Make the predicted velocities fit each other and the walls, and find the pressure that does it.
+
+    u = u* - (1 / rho) dt grad p         on every open face of a liquid cell
+    sum over faces (A S u) = source      in every liquid cell
+
+The source is 0, but for cells that hold more than their volume (F > 1, left over by the tolerance of earlier
+solutions): they push it out. Liquid that is shut in everywhere (no surface, no pressure side) has a pressure up to a
+constant, and its flows must add up to nothing; region by region the mean is removed, and a flow that does not add up
+is an error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flowgmo.flow.boundary import Sides
+from flowgmo.flow.columns import ONE, all_columns, columns_where, widen
+from flowgmo.flow.conjugate_gradients import ConjugateGradients, Solved
+from flowgmo.flow.fields import G, Grid, Open
+from flowgmo.flow.multigrid import Multigrid
+from flowgmo.flow.pressure_matrix import clear, diagonals, face_coefficients, surface_coefficients
+from flowgmo.flow.relaxation import Relaxation
+from flowgmo.flow.sealed import Sealed
+from flowgmo.flow.surface_distance import mark_liquid
+from flowgmo.flow.surface_normals import steps_of
+from flowgmo.flow.team import Team
+from flowgmo.kernel import flow_kernel
+from flowgmo.mesh import PRESSURE
+
+HALF = 0.1  # F below it: the centre is dry, also in cells that a solid cuts, whose centres lie in the open
+PUSH = 0.5  # share of an overfull cell's excess that leaves in one step: all of it at once would swing back
+
+
+@flow_kernel
+def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, dt, right):
+    """right = - sum over faces (outward A S u) + source [length3/time] in the columns' cells."""
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            total = 0.0
+            if u is not None:
+                S = grid.dy[j] * grid.dz[k]
+                if Ax is not None:
+                    total += S * (Ax[i - 1, j, k] * u[i - 1, j, k] - Ax[i, j, k] * u[i, j, k])
+                else:
+                    total += S * (u[i - 1, j, k] - u[i, j, k])
+            if v is not None:
+                S = grid.dx[i] * grid.dz[k]
+                if Ay is not None:
+                    total += S * (Ay[i, j - 1, k] * v[i, j - 1, k] - Ay[i, j, k] * v[i, j, k])
+                else:
+                    total += S * (v[i, j - 1, k] - v[i, j, k])
+            if w is not None:
+                S = grid.dx[i] * grid.dy[j]
+                if Az is not None:
+                    total += S * (Az[i, j, k - ONE] * w[i, j, k - ONE] - Az[i, j, k] * w[i, j, k])
+                else:
+                    total += S * (w[i, j, k - ONE] - w[i, j, k])
+            if F is not None:
+                if F[i, j, k] > 1.0:
+                    volume = grid.dx[i] * grid.dy[j] * grid.dz[k]
+                    if V is not None:
+                        volume *= V[i, j, k]
+                    total += PUSH * (F[i, j, k] - 1.0) * volume / dt
+            right[i, j, k] = total
+
+
+@flow_kernel
+def push(columns, first, last, b, area_x, area_y, area_z, A, q, step, u):
+    """u -= (q_upper - q_lower) b / (A S) on the upper faces with b > 0. area_x * area_y * area_z = S (1 for `step`)."""
+    m, n, o = step
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        S = area_x[i] * area_y[j]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            if b[i, j, k] > 0.0:
+                area = S * area_z[k]
+                if A is not None:
+                    area *= A[i, j, k]
+                u[i, j, k] -= (q[i + m, j + n, k + o] - q[i, j, k]) * b[i, j, k] / area
+
+
+@flow_kernel
+def scale_into(columns, first, last, a, factor, out):
+    """out = factor a."""
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            out[i, j, k] = factor * a[i, j, k]
+
+
+@dataclass
+class Matrix:
+    """The pressure equation of the present surface: b of faces, diagonal; columns of liquid cells and of faces."""
+
+    bx: np.ndarray | None
+    by: np.ndarray | None
+    bz: np.ndarray | None
+    diagonal: np.ndarray
+    columns: np.ndarray
+    faces: np.ndarray
+
+    @property
+    def b(self) -> tuple:
+        return self.bx, self.by, self.bz
+
+    @property
+    def arrays(self) -> tuple:
+        return self.bx, self.by, self.bz, self.diagonal
+
+
+class Projector:
+    """The pressure equation and its solver, with their arrays: 7 of float64 and 8 of float32 of mesh size."""
+
+    def __init__(
+        self, grid: Grid, openings: Open, sides: Sides, team: Team, rho: float, *, plain: bool = False
+    ) -> None:
+        self.grid, self.openings, self.sides, self.team, self.rho = grid, openings, sides, team, rho
+        shape = tuple(len(d) for d in (grid.dx, grid.dy, grid.dz))
+        b = [np.zeros(shape) if n > 1 + 2 * G else None for n in shape]
+        none = np.zeros((0, 4), np.int32)
+        self.matrix = Matrix(*b, np.zeros(shape), none, none)
+        self.right, self.q = np.zeros(shape), np.zeros(shape)
+        ends = [float(np.median(d[G:-G])) for d in (grid.dx, grid.dy, grid.dz)]
+        widths = (grid.dx, grid.dy, grid.dz)
+        self.multigrid = None if plain else Multigrid(shape, tuple(ends), sides.periodic, team)
+        self.solver = (
+            Relaxation(shape, widths, sides.periodic, team)
+            if plain
+            else ConjugateGradients(shape, widths, self.multigrid, team)
+        )
+        self.wet = np.zeros(shape, np.int8)
+        self.steps = steps_of(grid)
+        self.every = all_columns(shape)
+        held = tuple(plan.kind == PRESSURE for plan in sides.plans)
+        self.sealed = Sealed(openings, shape, held, sides.periodic)
+        self.ends = np.zeros((*shape[:2], 2), np.int32)  # scratch of `widen`
+        self.areas = [[np.ones_like(w) if e == d else w for e, w in enumerate(grid[:3])] for d in range(3)]
+        self.lower_faces = [self._lower_faces(d) if sides.lower_face_acts(d) else None for d in range(3)]
+        self.matrix_scale = 2.0 ** -np.frexp(min(ends))[1]
+
+    def _lower_faces(self, d: int) -> np.ndarray:
+        """Columns of the ghost cells whose upper faces lie on the lower side along d."""
+        every = all_columns(self.q.shape)
+        if d == 2:
+            every[:, 2:] = (G - 1, G)
+            return every
+        every = every[every[:, d] == G]
+        every[:, d] = G - 1
+        return every
+
+    def set_surface(self, F: np.ndarray | None) -> None:
+        """Fit the matrix to where the liquid is. F with ghosts filled."""
+        run, m = self.team.run, self.matrix
+        for a in (*m.b, m.diagonal, self.q, *self.solver.unknowns):  # what is not liquid any more holds 0
+            if a is not None:
+                run(clear, m.faces, a)
+        run(clear, m.faces, self.wet)
+        near = self.every if F is None else columns_where(F, HALF)
+        run(mark_liquid, near, F, self.openings.V, self.openings, self.steps, self.wet)
+        m.columns = columns_where(self.wet, 0)
+        m.faces = widen(m.columns, 1, self.q.shape, self.ends)
+        run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.wet, *m.b)
+        if F is not None:
+            self._reach_surface(F)
+        self.sides.set_coefficients(m.b, self.openings[1:], self.wet)
+        run(diagonals, m.columns, self.wet, *m.b, None, m.diagonal)
+        if self.multigrid is not None:
+            self.multigrid.rebuild(m.faces, m.columns, m.arrays, self.matrix_scale)
+
+    def _reach_surface(self, F: np.ndarray) -> None:
+        """b of the faces at which the free surface ends what a cell is coupled to."""
+        m, V = self.matrix, self.openings.V
+        for d in range(3):
+            if m.b[d] is not None:
+                self.team.run(
+                    surface_coefficients, m.faces, self.grid[d], *self.areas[d], self.grid[3 + d], self.openings[1 + d],
+                    np.int64(d), F, V, self.openings, self.steps, self.wet, m.b[d],
+                )  # fmt: skip
+
+    def project(
+        self, velocity: list, p: np.ndarray, F: np.ndarray | None, dt: float, tolerance: float, most: int
+    ) -> Solved:
+        """Change velocity [u, v, w] and p (the first guess, then the result) so that what is above holds.
+
+        tolerance: largest share of a cell that its faces may miss within dt. `set_surface` was called with this F.
+        Returns how it went; on failure velocity and p are as they were.
+        """
+        run, m = self.team.run, self.matrix
+        run(scale_into, m.columns, p, dt / self.rho, self.q)
+        self.sides.fill_pressure(self.q, dt, velocity)
+        run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, dt, self.right)
+        volume = float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
+        self.sealed.balance(m.columns, self.wet, self.right, tolerance / dt * volume)
+        solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most)
+        if not solved.converged:
+            return solved
+        self.sides.join(self.q)
+        self.push(velocity)
+        p.fill(0.0)
+        run(scale_into, m.columns, self.q, self.rho / dt, p)
+        return solved
+
+    def push(self, velocity: list) -> None:
+        """velocity -= grad q on all faces that the pressure acts on, those of sides included."""
+        m = self.matrix
+        for d in range(3):
+            if velocity[d] is not None:
+                step = (int(d == 0), int(d == 1), np.uint64(d == 2))
+                args = (m.b[d], *self.areas[d], self.openings[1 + d], self.q, step, velocity[d])
+                self.team.run(push, m.faces, *args)
+                outer = self.lower_faces[d]
+                if outer is not None:
+                    self.team.run(push, outer, *args)
+
+
+def push_by_pressure(projector: Projector, p: np.ndarray, dt: float, velocity: list) -> None:
+    """velocity -= dt grad p / rho, with the present surface and sides."""
+    projector.team.run(scale_into, projector.matrix.faces, p, dt / projector.rho, projector.q)
+    projector.sides.fill_pressure(projector.q, dt, velocity)
+    projector.push(velocity)

@@ -1,0 +1,140 @@
+"""Liquid that is shut in: regions of the open space that hold no void and touch no pressure side.
+
+There the pressure is known up to a constant only, the matrix is singular, and the flows that are given at its sides
+must add up to nothing. Regions are connected open cells; solids that stand still cut them once. Whether one is full is
+a count of its liquid cells at every step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.flow.fields import G, Open
+from flowgmo.kernel import kernel
+
+
+class PressedTogether(ValueError):
+    """Liquid flows into a full closed space; the text says where and what to do."""
+
+
+@kernel
+def _find(parent, a):
+    """The root of a cell's tree, with the way to it halved."""
+    while parent[a] != a:
+        parent[a] = parent[parent[a]]
+        a = parent[a]
+    return a
+
+
+@kernel
+def label_regions(V, Ax, Ay, Az, joined, label):
+    """Number the regions of open cells from 0 in `label` (-1: closed); returns how many.
+
+    joined (3,): the two sides across a direction are one (periodic).
+    """
+    nx, ny, nz = label.shape
+    parent = np.arange(nx * ny * nz)
+    for i in range(G, nx - G):
+        for j in range(G, ny - G):
+            for k in range(G, nz - G):
+                if V[i, j, k] == 0.0:
+                    continue
+                here = (i * ny + j) * nz + k
+                m = i + 1 if i + 1 < nx - G else G
+                if (m > i or joined[0]) and Ax[i, j, k] > 0.0 and V[m, j, k] > 0.0:
+                    parent[_find(parent, here)] = _find(parent, (m * ny + j) * nz + k)
+                m = j + 1 if j + 1 < ny - G else G
+                if (m > j or joined[1]) and Ay[i, j, k] > 0.0 and V[i, m, k] > 0.0:
+                    parent[_find(parent, here)] = _find(parent, (i * ny + m) * nz + k)
+                m = k + 1 if k + 1 < nz - G else G
+                if (m > k or joined[2]) and Az[i, j, k] > 0.0 and V[i, j, m] > 0.0:
+                    parent[_find(parent, here)] = _find(parent, (i * ny + j) * nz + m)
+    number = np.full(nx * ny * nz, -1, np.int32)
+    count = np.int64(0)
+    for i in range(nx):
+        for j in range(ny):
+            for k in range(nz):
+                label[i, j, k] = -1
+                inside = G <= i < nx - G and G <= j < ny - G and G <= k < nz - G
+                if inside and V[i, j, k] > 0.0:
+                    root = _find(parent, (i * ny + j) * nz + k)
+                    if number[root] < 0:
+                        number[root] = count
+                        count += 1
+                    label[i, j, k] = number[root]
+    return count
+
+
+@kernel
+def count_liquid(columns, wet, label, right, counts, sums, sizes):
+    """Per region: liquid cells, the sum of their right-hand sides, and of its sizes. label None: one region."""
+    for c in range(columns.shape[0]):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            if wet[i, j, k] != 0:
+                region = np.int64(0)
+                if label is not None:
+                    region = np.int64(label[i, j, k])
+                counts[region] += 1
+                sums[region] += right[i, j, k]
+                sizes[region] += abs(right[i, j, k])
+
+
+@kernel
+def shift(columns, wet, label, amount, a):
+    """a += amount[region] in liquid cells."""
+    for c in range(columns.shape[0]):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            if wet[i, j, k] != 0:
+                region = np.int64(0)
+                if label is not None:
+                    region = np.int64(label[i, j, k])
+                a[i, j, k] += amount[region]
+
+
+class Sealed:
+    """The regions of a scene. held (6,): sides whose pressure is given; joined (3,): periodic directions."""
+
+    def __init__(
+        self, openings: Open, shape: tuple[int, ...], held: tuple[bool, ...], joined: tuple[bool, ...]
+    ) -> None:
+        self.label = None
+        count, cells = 1, np.array([np.prod([n - 2 * G for n in shape])])
+        reached = np.array([any(held)])
+        if openings.V is not None:
+            self.label = np.empty(shape, np.int32)
+            count = label_regions(*openings, np.array(joined), self.label)
+            inside = self.label[G:-G, G:-G, G:-G]
+            cells = np.bincount(inside[inside >= 0], minlength=count)
+            reached = np.zeros(count, bool)
+            for side, is_held in enumerate(held):
+                if is_held:
+                    layer = np.moveaxis(inside, side // 2, 0)[-(side % 2)]
+                    reached[layer[layer >= 0]] = True
+        self.cells, self.reached = cells, reached
+        if count == 1:
+            self.label = None
+
+    def balance(self, columns: np.ndarray, wet: np.ndarray, right: np.ndarray, most: float) -> bool:
+        """Make the right-hand side of every sealed region add up to zero; whether there is a sealed region.
+
+        Raises PressedTogether where more than `most` [length3/time] a cell would have to be left out.
+        """
+        n = len(self.cells)
+        counts, sums, sizes = np.zeros(n, np.int64), np.zeros(n), np.zeros(n)
+        count_liquid(columns, wet, self.label, right, counts, sums, sizes)
+        sealed = (counts == self.cells) & ~self.reached & (counts > 0)
+        if not sealed.any():
+            return False
+        amount = np.where(sealed, -sums / np.maximum(counts, 1), 0.0)
+        if np.abs(amount).max() > most:
+            worst = int(np.argmax(np.abs(amount)))
+            raise PressedTogether(
+                f"liquid that fills a closed space of {counts[worst]} cells is pressed together: {sums[worst]:.3g} of "
+                "volume a unit of time flows in and nothing can leave. Give the space an opening, or rcsql"
+            )
+        shift(columns, wet, self.label, amount, right)
+        return True

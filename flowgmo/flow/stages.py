@@ -1,0 +1,116 @@
+"""The stages of one step of the liquid, in the order in which step.py calls them.
+
+    predict        u* = u + dt a: advection, gravity, viscosity
+    project        u, p: the faces of every liquid cell let out what they let in; velocities beside the liquid
+    move_liquid    d(V F)/dt + div(A u F) = 0 with the projection's fluxes
+
+A stage leaves the Flow as it is; new values lie in the Liquid's scratch arrays until `store`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.errors import StepFailed, StepTooLong
+from flowgmo.flow.conjugate_gradients import Solved
+from flowgmo.flow.extrapolation import continue_velocity
+from flowgmo.flow.fields import Flow
+from flowgmo.flow.liquid import DUST, Liquid
+from flowgmo.flow.prediction import accelerate, fill
+from flowgmo.flow.projection import push_by_pressure
+from flowgmo.flow.sealed import PressedTogether
+from flowgmo.flow.surface_tracking import move_liquid as carry_liquid
+from flowgmo.flow.time_step import MOST_COURANT, courant_rate
+
+REST = 1e-11  # share of a cell for the pressure at the start: still water must stay still
+TOLERANCE = 1e-6  # share of a cell that its faces may miss within a step, times EPSADJ (DESIGN 4)
+
+
+def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
+    """liquid.predicted = u + dt (advection, gravity, viscosity); the pressure equation fits the present surface."""
+    run, new = liquid.team.run, liquid.predicted
+    old = [flow.u, flow.v, flow.w]
+    liquid.sides.set_time(t1)
+    liquid.find_columns(flow.F)
+    liquid.projector.set_surface(flow.F)
+    for a in liquid.acceleration:
+        if a is not None:
+            run(fill, liquid.about, 0.0, a)
+    add = liquid.momentum.add_accelerations
+    add(liquid.faces, old, flow.F, liquid.acceleration, dt)
+    _advance(liquid, old, dt, new)
+    if liquid.plan.order == 1:
+        liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
+        return
+    push_by_pressure(liquid.projector, flow.p, dt, new)
+    _continue(liquid, flow, new)
+    add(liquid.faces, new, flow.F, liquid.acceleration, dt)
+    _advance(liquid, old, 0.5 * dt, new)
+    liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
+
+
+def _advance(liquid: Liquid, old: list, dt: float, new: list) -> None:
+    """new = old + dt a, with what the sides give."""
+    for d, (a, u, out) in enumerate(zip(liquid.acceleration, old, new, strict=True)):
+        if a is not None:
+            liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], u, a, dt, out)
+    liquid.sides.let_out(old, new, dt)
+    liquid.sides.fill_velocity(new)
+
+
+def _continue(liquid: Liquid, flow: Flow, velocity: list) -> None:
+    """Velocities beside the liquid continue those that the pressure acted on; ghosts are filled."""
+    if flow.F is not None:
+        for d, (u, b) in enumerate(zip(velocity, liquid.projector.matrix.b, strict=True)):
+            if u is not None:
+                continue_velocity(liquid.team, liquid.about, b, liquid.openings[1 + d], flow.F, u, d, DUST, liquid.mark)
+    liquid.sides.fill_velocity(velocity)
+
+
+def project(liquid: Liquid, flow: Flow, dt: float) -> Solved:
+    """liquid.predicted becomes the new velocity, liquid.p its pressure.
+
+    On return every liquid cell's faces fit to the tolerance, velocities two cells beside the liquid continue it, and
+    ghosts are filled. Raises StepTooLong where a shorter step may do.
+    """
+    plan, new = liquid.plan, liquid.predicted
+    liquid.p[...] = flow.p
+    try:
+        solved = liquid.projector.project(
+            new, liquid.p, flow.F, dt, TOLERANCE * plan.pressure.tolerance, plan.pressure.most_iterations
+        )
+    except PressedTogether as error:
+        raise StepFailed(str(error)) from error
+    liquid.tally.note_solution(solved.iterations)
+    if not solved.converged:
+        raise StepTooLong(f"the pressure did not converge in {solved.iterations} iterations")
+    _continue(liquid, flow, new)
+    rate = courant_rate(liquid.team, liquid.near, liquid.grid, flow.F, DUST, new)
+    liquid.courant = rate * dt
+    if rate * dt > MOST_COURANT:
+        raise StepTooLong(f"the liquid crosses {rate * dt:.3g} of a cell in a step")
+    return solved
+
+
+def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
+    """liquid.F = the fraction after dt with the projection's velocities; number of the step orders the sweeps."""
+    np.copyto(liquid.F, flow.F)
+    moved = Flow(*liquid.predicted, liquid.p, liquid.F, dt)
+    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, liquid.sides.fill_fraction)
+    liquid.entered = found.entered
+    liquid.sides.fill_fraction(liquid.F)
+
+
+def settle_pressure(liquid: Liquid, flow: Flow, dt: float) -> None:
+    """flow.p becomes the pressure that holds the liquid at rest in gravity: hydrostatic under a level surface."""
+    at_rest = [None if a is None else np.zeros_like(a) for a in flow.velocity]
+    for a, g, A in zip(at_rest, liquid.gravity, liquid.openings[1:], strict=True):
+        if a is not None:
+            a[...] = g * dt
+            if A is not None:
+                a[A == 0.0] = 0.0
+    liquid.sides.set_time(0.0)
+    liquid.sides.fill_velocity(at_rest)
+    liquid.projector.set_surface(flow.F)
+    flow.p.fill(0.0)
+    liquid.projector.project(at_rest, flow.p, flow.F, dt, REST, liquid.plan.pressure.most_iterations)

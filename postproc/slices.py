@@ -1,0 +1,174 @@
+"""A slice through the liquid: fraction, pressure and speed in the cells of one plane, from fields.h5.
+
+Cells are drawn as they are, without smoothing. Solids are grey; beside them, and in the cells that they cut, the lines
+of the mesh are drawn, so that one sees how fine it is where it matters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap
+
+from postproc import style
+from postproc.errors import PostprocError, WrongRequest
+from postproc.look import clock
+from postproc.palette import INK, WATER
+
+SHOWN = 0.02  # of a cell; with less liquid it has no pressure and no speed to show
+SOLID, LINE = "#b9bfc7", "#5b636e"
+WATERS = LinearSegmentedColormap.from_list("water", ("#ffffff", WATER))
+WIDTH, TALLEST, BROAD = 9.0, 4.5, 3.6  # inches: of the figure; of one slice, its height, its width beside others
+LONG = 1.8  # width over height from which on slices lie above each other
+BESIDE = 1.7  # inches beside a slice, for numbers and the scale of colours
+
+
+@dataclass(frozen=True)
+class Slice:
+    """Planes (n + 1,), (m + 1,) of the two directions and values (n, m) of the cells; V None without solids."""
+
+    names: str
+    planes: tuple[np.ndarray, np.ndarray]
+    F: np.ndarray
+    p: np.ndarray
+    speed: np.ndarray
+    V: np.ndarray | None
+
+
+class Fields:
+    """The snapshots in fields.h5 of a results folder."""
+
+    def __init__(self, folder: Path) -> None:
+        path = Path(folder) / "fields.h5"
+        if not path.is_file():
+            raise WrongRequest(f"{folder} holds no fields.h5: the scene has no liquid, or it was not written yet")
+        try:
+            self.file = h5py.File(path, "r", locking=False)
+            if self.file.attrs.get("format") != "flowgmo fields":
+                raise PostprocError(f"{path} is not a file of flowgmo's fields")
+            groups = [item for item in self.file.values() if isinstance(item, h5py.Group) and "time" in item.attrs]
+        except (OSError, RuntimeError, KeyError) as error:
+            raise PostprocError(f"{path} is damaged: {' '.join(str(error).split())}") from error
+        self.groups = sorted(groups, key=lambda group: float(group.attrs["time"]))
+        self.times = np.array([float(group.attrs["time"]) for group in self.groups])
+        if not self.groups:
+            raise WrongRequest(f"{path} holds no snapshot yet")
+
+    @property
+    def planes(self) -> list[np.ndarray]:
+        return [self.file[name][()] for name in "xyz"]
+
+    def cut(self, k: int, axis: int, position: float) -> Slice:
+        """The cells of snapshot k that hold `position` along `axis`."""
+        planes, group = self.planes, self.groups[k]
+        n = int(np.clip(np.searchsorted(planes[axis], position, side="right") - 1, 0, len(planes[axis]) - 2))
+        layer = (slice(None),) * axis + (n,)
+        others = [d for d in range(3) if d != axis]
+        p = group["p"][layer]
+        F = group["F"][layer] if "F" in group else np.ones(p.shape)
+        V = self.file["V"][layer] if "V" in self.file else None
+        speed = np.linalg.norm(group["velocity"][layer], axis=-1)
+        return Slice("".join("xyz"[d] for d in others), tuple(planes[d] for d in others), F, p, speed, V)
+
+
+def draw_slice(folder: Path, path: Path, t: float | None, axis: int | None, position: float | None) -> Path:
+    """Draw the slice nearest to time t [the end] across an axis [the shortest side] at a position [its middle]."""
+    fields = Fields(folder)
+    planes = fields.planes
+    if axis is None:
+        axis = min((1, 0, 2), key=lambda d: round(float(np.ptp(planes[d])), 12))
+    low, high = planes[axis][[0, -1]]
+    position = (low + high) / 2 if position is None else position
+    if not low <= position <= high:
+        raise WrongRequest(f"{'xyz'[axis]} = {position:g} is outside of the mesh, {low:g} … {high:g}")
+    k = len(fields.times) - 1 if t is None else int(np.abs(fields.times - t).argmin())
+    cut, group, attrs = fields.cut(k, axis, position), fields.groups[k], fields.file.attrs
+    figure, axes = _figure(cut)
+    length = str(fields.file["x"].attrs.get("unit", ""))
+    when = clock(fields.times[k], fields.times[-1], str(attrs.get("time_unit", "")))
+    style.headline(figure, f"{attrs.get('title', '')}, {when}, {'xyz'[axis]} = {position:.4g} {length}".strip(", "), 12)
+    _draw_panels(figure, axes, cut, group)
+    stacked = axes[0].get_subplotspec().get_gridspec().nrows > 1
+    for ax in axes[-1:] if stacked else axes:
+        ax.set_xlabel(f"{cut.names[0]} [{length}]")
+    for ax in axes if stacked else axes[:1]:
+        ax.set_ylabel(f"{cut.names[1]} [{length}]")
+    return style.save(figure, path)
+
+
+def _draw_panels(figure: plt.Figure, axes: np.ndarray, cut: Slice, group: h5py.Group) -> None:
+    """Fraction, pressure, and speed; the last two where there is liquid."""
+    wet = cut.F > SHOWN if cut.V is None else (cut.F > SHOWN) & (cut.V > 0)
+    p, speed = (np.where(wet, values, np.nan) for values in (cut.p, cut.speed))
+    fastest = float(cut.speed[wet].max(initial=0.0)) or 1.0
+    _panel(figure, axes[0], cut, cut.F, "Liquid fraction", WATERS, (0.0, 1.0))
+    _panel(figure, axes[1], cut, p, _label(group, "p", "pressure"), "viridis", _limits(p))
+    _panel(figure, axes[2], cut, speed, _label(group, "velocity", "speed"), "viridis", (0.0, fastest))
+
+
+def _label(group: h5py.Group, name: str, word: str) -> str:
+    return style.label(word, str(group[name].attrs.get("unit", "")))
+
+
+def _figure(cut: Slice) -> tuple[plt.Figure, np.ndarray]:
+    """Three panels above each other where the slice is a long one, else beside each other."""
+    wide, high = (float(np.ptp(p)) for p in cut.planes)
+    if wide > LONG * high:
+        tall = min(TALLEST, (WIDTH - BESIDE) * high / wide)
+        size, shape = (WIDTH, 0.9 + 3 * (tall + 0.3)), (3, 1)
+    else:
+        tall = min(TALLEST, BROAD * high / wide)
+        size, shape = (3 * (tall * wide / high + BESIDE), tall + 1.1), (1, 3)
+    figure, axes = plt.subplots(*shape, figsize=size, layout="constrained", sharex=shape[1] == 1, sharey=shape[0] == 1)
+    return figure, axes.ravel()
+
+
+def _panel(
+    figure: plt.Figure,
+    axes: plt.Axes,
+    cut: Slice,
+    values: np.ndarray,
+    name: str,
+    colours: object,
+    limits: tuple[float, float],
+) -> None:
+    image = axes.pcolormesh(*cut.planes, values.T, cmap=colours, vmin=limits[0], vmax=limits[1], rasterized=True)
+    if cut.V is not None:
+        solid = np.ma.masked_where(cut.V > 0, np.ones(cut.V.shape))
+        axes.pcolormesh(*cut.planes, solid.T, cmap=LinearSegmentedColormap.from_list("solid", (SOLID, SOLID)))
+        axes.add_collection(LineCollection(_lines(cut), colors=LINE, linewidths=0.35))
+    figure.colorbar(image, ax=axes, label=name, pad=0.015, aspect=14)
+    axes.set_aspect("equal")
+    axes.grid(False)
+    axes.tick_params(colors=INK, labelsize=9)
+
+
+def _limits(values: np.ndarray) -> tuple[float, float]:
+    """Ends of the scale: all that is there, and 0 unless it is far away; something where all is the same."""
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return 0.0, 1.0
+    low, high = float(known.min()), float(known.max())
+    low = low if low > 0.5 * high else min(low, 0.0)
+    return (low, high) if high > low else (low, low + 1.0)
+
+
+def _lines(cut: Slice) -> list:
+    """Edges of the cells that solids cut, and of open ones beside solids."""
+    touched = cut.V < 1.0
+    near = touched.copy()
+    for axis in range(2):
+        lower, upper = ((slice(None),) * axis + (s,) for s in (slice(None, -1), slice(1, None)))
+        near[lower] |= touched[upper]
+        near[upper] |= touched[lower]
+    x, z = cut.planes
+    lines = []
+    for i, k in np.argwhere(near & (cut.V > 0)):
+        (a, b), (c, d) = x[i : i + 2], z[k : k + 2]
+        lines += [[(a, c), (b, c)], [(b, c), (b, d)], [(b, d), (a, d)], [(a, d), (a, c)]]
+    return lines

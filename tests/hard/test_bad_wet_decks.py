@@ -1,0 +1,109 @@
+"""Wrong decks with liquid: `run` and `check` say what is wrong, where, and what to write, and leave nothing behind."""
+
+import sys
+
+import h5py
+import pytest
+from flowgmo_wet import FREE, FULL, wet
+
+from flowgmo import cli
+
+BODY = "nobs=1, iob(1)=1, zh(1)=.1,"
+
+# The deck, and what the text names. Lines: &xput 3, &props 6, &mesh 9, &fl 12, others from 15.
+WRONG = {
+    "mesh planes": (wet(mesh="px=0., 2., 1., nxcelt=9,"), ["bad.nml:9: &mesh px(3)=1.0", "Let px increase"]),
+    "no cells": (wet(mesh="nxcelt=0,"), ["bad.nml:9: &mesh nxcelt=0", "must be >= 1"]),
+    "one cell": (wet(mesh="px=0., 2.,"), ["bad.nml:9: &mesh px(2)=2.0", "nothing flows", "Give nxcelt"]),
+    "memory": (
+        wet(mesh="px=0.,2.,py=0.,1.,pz=0.,1.,\nsize=1e-5,"),
+        ["bad.nml:10: &mesh size=1e-05", "this machine has", "Write a mesh of at most"],
+    ),
+    "negative density": (wet(props="rhof=-1000.,"), ["bad.nml:6: &props rhof=-1000.", "must be > 0"]),
+    "no density": (wet(props="mu1=1.,"), ["bad.nml:12: &fl flht=0.5", "Give rhof"]),
+    "region outside": (wet(fl="nfls=1, fxl(1)=3.,"), ["bad.nml:12: &fl fxl(1)=3.0", "outside the mesh", "Move it"]),
+    "no liquid": (wet(fl=""), ["bad.nml:6: &props rhof=1000.0", "no liquid", "Write flht"]),
+    "into a wall": (
+        wet(bcdata="ibct(5)=2, wbct(1,5)=1.,"),
+        ["bad.nml:15: &bcdata wbct(1,5)=1.0", "into the side Zmin", "Write ibct(5)=6"],
+    ),
+    "times": (
+        wet(bcdata="ibct(1)=6, timbct=0.,1.,1., ubct(1,1)=0.,1.,2.,"),
+        ["bad.nml:15: &bcdata timbct(3)=1.0", "Let the times increase"],
+    ),
+    "too few times": (
+        wet(bcdata="ibct(1)=6, timbct=0.,1., ubct(1,1)=0.,1.,2.,"),
+        ["bad.nml:15: &bcdata ubct(3,1)=2.0", "Give timbct(3)"],
+    ),
+    "no table": (
+        wet(bcdata="ibct(1)=6, fubct(1)='u.csv', iubctc(1)=2,"),
+        ["bad.nml:15: &bcdata fubct(1)='u.csv'", "there is no such file"],
+    ),
+    "unbalanced": (
+        wet(xput=FULL, fl="", bcdata="ibct(1)=6,\nubct(1,1)=1.,"),
+        ["bad.nml:16: &bcdata ubct(1,1)=1.0", "more enters the domain than leaves it", "Write velocities that balance"],
+    ),
+    "one periodic side": (
+        wet(bcdata="ibct(3)=4,"),
+        ["bad.nml:15: &bcdata ibct(3)=4", "Ymin is periodic and Ymax is not"],
+    ),
+    "bodies through periodic sides": (
+        wet(xput=FREE + "imobs=1,", props="", fl="", bcdata="ibct(3)=4,4,", obs=BODY + "imo(1)=4, rhomvb(1)=1.,"),
+        ["bad.nml:15: &bcdata ibct(3)=4", "moving bodies with periodic sides"],
+    ),
+    "bodies in liquid": (
+        wet(xput=FREE + "imobs=1,", obs=BODY + "imo(1)=4, rhomvb(1)=1.,"),
+        ["bad.nml:6: &props rhof=1000.0", "imo(1)=4, are not computed yet", "Remove rhof (and flht)"],
+    ),
+    "driven bodies in liquid": (
+        wet(xput=FREE + "imobs=1,", obs=BODY + "imo(1)=3, utobs(1,1)=1.,"),
+        ["bad.nml:6: &props rhof=1000.0", "imo(1)=3, are not computed yet"],
+    ),
+    "all solid": (wet(obs="nobs=1, iob(1)=1, zl(1)=-1.,"), ["bad.nml:15: &obs nobs=1", "obs1 fills the whole mesh"]),
+    "first step": (wet(xput=FREE + "delt=5.,"), ["bad.nml:3: &xput delt=5.0", "longer than the run"]),
+    "smallest step": (wet(xput=FREE + "dtmin=5.,"), ["bad.nml:3: &xput dtmin=5.0", "larger than the first one"]),
+    "second order": (wet(xput=FREE + "iorder=2,"), ["bad.nml:3: &xput iorder=2", "known but not computed"]),
+    "two fluids": (wet(xput=FREE + "nmat=2,"), ["bad.nml:3: &xput nmat=2", "known but not computed"]),
+    "accelerated mesh": (wet(xput=FREE + "iaccf=1,"), ["bad.nml:3: &xput iaccf=1", "known but not computed"]),
+    "heat": (wet(xput=FREE + "ifenrg=1,"), ["bad.nml:3: &xput ifenrg=1", "known but not computed"]),
+    "waves": (wet(bcdata="ibct(1)=10,"), ["bad.nml:15: &bcdata ibct(1)=10", "known but not computed"]),
+}
+
+
+@pytest.fixture
+def flowgmo(monkeypatch, capsys, tmp_path):
+    """Runs the command in the test's own folder: exit code, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["flowgmo", *arguments])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as end:
+            code = end.code
+        said = capsys.readouterr()
+        assert "Traceback" not in said.out + said.err and "unforeseen" not in said.err, said.err
+        return code, said.out, said.err
+
+    return call
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_deck(flowgmo, tmp_path, name):
+    text, says = WRONG[name]
+    (tmp_path / "bad.nml").write_text(text)
+    code, _, err = flowgmo("run", "bad.nml")
+    assert code == 2 and all(word in err for word in says), err
+    assert "1 problem, nothing was computed" in err and [p.name for p in tmp_path.iterdir()] == ["bad.nml"]
+    assert flowgmo("check", "bad.nml") == (code, "", err)
+
+
+def test_a_sound_deck_runs_and_keeps_its_liquid(flowgmo, tmp_path):
+    """The deck that the wrong ones vary: it runs, says how much liquid there is, and loses none (measured 0)."""
+    (tmp_path / "a.nml").write_text(wet(FREE.replace("twfin=2.", "twfin=.05, delt=.01")))
+    code, _, err = flowgmo("run", "a.nml")
+    assert code == 0, err
+    with h5py.File(tmp_path / "a.out" / "history.h5") as file:
+        assert abs(file["fluid/volume"][-1] - 1.0) <= 1e-12
+        assert abs(file["fluid/volume_error"][-1]) <= 1e-12
