@@ -28,12 +28,17 @@ class Gauges:
         return self.probes[number][name]
 
 
+def _series(case: str) -> np.ndarray:
+    """decks/<case>/measured.csv, by the names of its columns."""
+    with (DECKS / case / "measured.csv").open(encoding="utf-8") as file:
+        return np.genfromtxt((line for line in file if not line.startswith("#")), delimiter=",", names=True)
+
+
 def dam_break(results: Path, deck: str) -> dict[str, float]:
     """SPHERIC 2: pressures P1, P2 on the box, heights at two gauges, against the measured series."""
     gauges = Gauges(results)
     t = gauges.time
-    with (DECKS / "dam_break" / "measured.csv").open(encoding="utf-8") as file:
-        there = np.genfromtxt((line for line in file if not line.startswith("#")), delimiter=",", names=True)
+    there = _series("dam_break")
     there = there[there["t"] <= t[-1]]
     p1, p2 = gauges.probe(1, "p"), gauges.probe(2, "p")
     window = np.linspace(0.39, 0.8, 1000)  # VALIDATION D: the first blow
@@ -71,3 +76,84 @@ def cavity(results: Path, deck: str) -> dict[str, float]:
     near = slice(k - 2, k + 3)
     fit = np.polyfit(z[near] - z[k], line[near], 4)
     return {"least u on the centre line": np.polyval(fit, np.linspace(-2 / n, 2 / n, 401)).min()}
+
+
+def sloshing(results: Path, deck: str) -> dict[str, float]:
+    """Depths at 1/6 and 5/6 of the tank: their difference holds no third mode and, as of any odd one, twice the first.
+
+    The period from the first to the last passage through level; what is left from the first period to the last one.
+    """
+    gauges = Gauges(results)
+    t, tilt = gauges.time, gauges.probe(1, "height") - gauges.probe(2, "height")
+    k = np.flatnonzero(tilt[:-1] * tilt[1:] < 0.0)
+    level = t[k] + (t[k + 1] - t[k]) * tilt[k] / (tilt[k] - tilt[k + 1])
+    period = 2.0 * (level[-1] - level[0]) / (len(level) - 1)
+    first, last = (np.ptp(tilt[part]) for part in (t <= period, t >= t[-1] - period))
+    return {
+        "period": period,
+        "first mode left": last / first,
+        "volume error": np.abs(gauges.fluid["volume_error"]).max(),
+    }
+
+
+def martin_moyce(results: Path, deck: str) -> dict[str, float]:
+    """The front is where the depth falls below .05 a, the tip where it falls below .02 a, a the width of the column.
+
+    delayed: the gate of the experiment takes T = t sqrt(2 g / a) = .175 to get out of the way (VALIDATION D).
+    """
+    a = 0.05715  # 2.25 in, in metres
+    there = _series("martin_moyce")
+    t, depth, x = depths(results)
+    T = t * np.sqrt(2.0 * 9.81 / a)
+
+    def errors(least: float, delay: float) -> np.ndarray:
+        front = np.array([farthest(x, h, least * a) for h in depth])
+        return np.abs(np.interp(there["T"] - delay, T, front / a) / there["Z"] - 1.0)
+
+    return {
+        "mean error of the front, delayed": errors(0.05, 0.175).mean(),
+        "largest error of the front, delayed": errors(0.05, 0.175).max(),
+        "mean error of the tip, delayed": errors(0.02, 0.175).mean(),
+        "mean error of the front, raw": errors(0.05, 0.0).mean(),
+        "volume error": np.abs(Gauges(results).fluid["volume_error"]).max(),
+    }
+
+
+def depths(results: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the snapshots of a scene of one cell in y: times (m,), depths (m, nx), planes x (nx + 1,)."""
+    with h5py.File(results / "fields.h5") as file:
+        shots = [group for group in file.values() if "time" in group.attrs]
+        shots.sort(key=lambda group: group.attrs["time"])
+        t = np.array([group.attrs["time"] for group in shots])
+        depth = np.array([group["F"][:, 0] @ np.diff(file["z"][:]) for group in shots])
+        return t, depth, file["x"][:]
+
+
+def farthest(x: np.ndarray, depth: np.ndarray, least: float) -> float:
+    """The largest x where the depth is `least`; depth (nx,) holds at the middles of the cells between planes x."""
+    middle = 0.5 * (x[1:] + x[:-1])
+    k = int(np.flatnonzero(depth >= least)[-1])
+    if k + 1 == len(depth):
+        return float(x[-1])
+    return float(middle[k] + (middle[k + 1] - middle[k]) * (depth[k] - least) / (depth[k] - depth[k + 1]))
+
+
+def wall_impact(results: Path, deck: str) -> dict[str, float]:
+    """Pressure at the sensor on the far wall over rho g H against T = t sqrt(g / H); the water arrives at p = .5."""
+    height, g, rho = 0.3, 9.81, 1000.0
+    there = _series("wall_impact")
+    gauges = Gauges(results)
+    T, p = gauges.time * np.sqrt(g / height), gauges.probe(1, "p") / (rho * g * height)
+    arrivals, impulses = [], []
+    blow = np.linspace(2.4, 3.0, 1000)  # from just before the arrival until the pressure is half the peak
+    for t, y in ((T, p), (there["t"], there["p_median"])):
+        k = int(np.argmax(y >= 0.5))
+        arrivals.append(t[k - 1] + (t[k] - t[k - 1]) * (0.5 - y[k - 1]) / (y[k] - y[k - 1]))
+        impulses.append(np.trapezoid(np.interp(blow, t, y), blow))
+    return {
+        "peak over rho g H": p.max(),
+        "arrival over measured": arrivals[0] / arrivals[1],
+        "impulse of the blow over measured": impulses[0] / impulses[1],
+        "pressure at T = 4 over rho g H": np.interp(4.0, T, p),
+        "volume error": np.abs(gauges.fluid["volume_error"]).max(),
+    }
