@@ -119,8 +119,9 @@ class Sides:
         """Predicted velocity on continuative, outflow, and pressure sides.
 
         Outflow: what leaves is carried across the side at its own speed, u_t + u u_n = 0, and nothing comes back
-        (Orlanski 1976, with the local speed). Continuative: as one face inside. Pressure: it gains what the face inside
-        gains; the projection does the rest.
+        (Orlanski 1976, with the local speed). Continuative: as one face inside. Pressure: where it leaves it gains
+        what the face inside gains; what enters brings its own speed along, and gains gravity only. The projection does
+        the rest. dt: of the whole step, in each of its stages.
         """
         for d in range(3):
             if new[d] is None:
@@ -132,6 +133,8 @@ class Sides:
                 side, inside, sign = (self.n[d] + 1, self.n[d], 1.0) if upper else (1, 2, -1.0)
                 if kind == PRESSURE:
                     gained = _plane(new[d], d, inside) - _plane(old[d], d, inside)
+                    enters = _plane(old[d], d, side) * sign < 0.0
+                    gained = np.where(enters, self.gravity[d] * dt, gained)
                     _plane(new[d], d, side)[...] = _plane(old[d], d, side) + gained
                     continue
                 if kind == CONTINUATIVE:
@@ -141,6 +144,20 @@ class Sides:
                 width = self.widths[d][side if upper else side + 1]
                 share = np.minimum(np.maximum(here, there).clip(0.0) * (dt / width), 1.0)
                 _plane(new[d], d, side)[...] = sign * np.maximum(here + share * (there - here), 0.0)
+
+    def follow(self, velocity: Sequence[np.ndarray | None], b: Sequence[np.ndarray | None]) -> None:
+        """Faces of pressure sides that no liquid cell touches (b = 0): as one face inside.
+
+        No pressure holds them there: what advection adds at every step would pile up without bound.
+        """
+        for d in range(3):
+            if velocity[d] is None:
+                continue
+            for upper in (False, True):
+                if self.plans[2 * d + upper].kind == PRESSURE:
+                    side, inside = (self.n[d] + 1, self.n[d]) if upper else (1, 2)
+                    u, free = velocity[d], _plane(b[d], d, side) == 0.0
+                    _plane(u, d, side)[free] = _plane(u, d, inside)[free]
 
     # ---- liquid
 

@@ -2,7 +2,8 @@
 
 A face belongs to one of
 
-    held         the projection found it (b > 0), or it lies on a side where it is given, or is closed
+    held         the projection found it (b > 0)
+    closed       it is, or lies on a side of the domain (flow/boundary.py): nothing is taken from it
     continued    a neighbour (of the 26) is held: the mean of the held ones, weighted by 1 / distance2 in cells
     free         no neighbour is held, but liquid touches the face: it flies, and keeps the predicted velocity
     beyond       neighbours are continued or free: their mean
@@ -15,15 +16,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.fields import G
 from flowgmo.kernel import flow_kernel
 
 NONE, HELD, CONTINUED, FREE, BEYOND, CLOSED = 0, 1, 2, 3, 4, 5
 
 
 @flow_kernel
-def mark_faces(columns, first, last, b, A, F, step, least, mark):
+def mark_faces(columns, first, last, b, A, F, step, side, least, mark):
     """Sort the upper faces (along `step`, a unit vector of three ints) of the columns' cells into the kinds above.
 
+    side: index of the faces on the domain's upper side, -1 where periodic: they are CLOSED, since those on the lower
+    side lie in no column, and a mirrored scene must give the mirrored flow.
     F > least is liquid. Only HELD, CLOSED, FREE (all that liquid touches, for now), NONE.
     """
     p, q, r = step
@@ -32,7 +36,9 @@ def mark_faces(columns, first, last, b, A, F, step, least, mark):
         j = columns[c, 1]
         for k in range(columns[c, 2], columns[c, 3]):
             kind = NONE
-            if b[i, j, k] > 0.0:
+            if i * p + j * q + k * r == side:
+                kind = CLOSED
+            elif b[i, j, k] > 0.0:
                 kind = HELD
             elif A is not None and A[i, j, k] == 0.0:
                 kind = CLOSED
@@ -84,14 +90,16 @@ def settle_marks(columns, first, last, mark):
             mark[i, j, k] = abs(mark[i, j, k])
 
 
-def continue_velocity(team, columns, b, A, F, value, direction, least, mark) -> None:
+def continue_velocity(team, columns, b, A, F, value, direction, periodic, least, mark) -> None:
     """Give every open face of the columns' cells a velocity along `direction` (0, 1, 2), see above.
 
-    columns: wider than the liquid by two cells; value: predicted velocity where the projection found none.
+    columns: wider than the liquid by two cells; value: predicted velocity where the projection found none. Faces on the
+    domain's sides keep their value, unless the direction is periodic.
     mark: int8 scratch of mesh size, 0 outside the columns.
     """
     step = tuple(int(d == direction) for d in range(3))
-    team.run(mark_faces, columns, b, A, F, step, least, mark)
+    side = -1 if periodic else value.shape[direction] - G - 1
+    team.run(mark_faces, columns, b, A, F, step, np.int64(side), least, mark)
     for source in (HELD, FREE):
         team.run(continue_faces, columns, np.int64(source), value, mark)
         team.run(settle_marks, columns, mark)

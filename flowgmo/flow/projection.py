@@ -94,6 +94,16 @@ def scale_into(columns, first, last, a, factor, out):
             out[i, j, k] = factor * a[i, j, k]
 
 
+@flow_kernel
+def scale_liquid(columns, first, last, a, factor, wet, out):
+    """out = factor a in liquid cells, 0 in the others: a cell that was liquid a step ago must not hold its pressure."""
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            out[i, j, k] = factor * a[i, j, k] if wet[i, j, k] != 0 else 0.0
+
+
 @dataclass
 class Matrix:
     """The pressure equation of the present surface: b of faces, diagonal; columns of liquid cells and of faces."""
@@ -192,7 +202,7 @@ class Projector:
         Returns how it went; on failure velocity and p are as they were.
         """
         run, m = self.team.run, self.matrix
-        run(scale_into, m.columns, p, dt / self.rho, self.q)
+        run(scale_liquid, m.faces, p, dt / self.rho, self.wet, self.q)
         self.sides.fill_pressure(self.q, dt, velocity)
         run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, dt, self.right)
         volume = float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
@@ -221,6 +231,6 @@ class Projector:
 
 def push_by_pressure(projector: Projector, p: np.ndarray, dt: float, velocity: list) -> None:
     """velocity -= dt grad p / rho, with the present surface and sides."""
-    projector.team.run(scale_into, projector.matrix.faces, p, dt / projector.rho, projector.q)
+    projector.team.run(scale_liquid, projector.matrix.faces, p, dt / projector.rho, projector.wet, projector.q)
     projector.sides.fill_pressure(projector.q, dt, velocity)
     projector.push(velocity)

@@ -38,22 +38,22 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
             run(fill, liquid.about, 0.0, a)
     add = liquid.momentum.add_accelerations
     add(liquid.faces, old, flow.F, liquid.acceleration, dt)
-    _advance(liquid, old, dt, new)
+    _advance(liquid, old, 1.0, dt, new)
     if liquid.plan.order == 1:
         liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
         return
     push_by_pressure(liquid.projector, flow.p, dt, new)
     _continue(liquid, flow, new)
     add(liquid.faces, new, flow.F, liquid.acceleration, dt)
-    _advance(liquid, old, 0.5 * dt, new)
+    _advance(liquid, old, 0.5, dt, new)
     liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
 
 
-def _advance(liquid: Liquid, old: list, dt: float, new: list) -> None:
-    """new = old + dt a, with what the sides give."""
+def _advance(liquid: Liquid, old: list, share: float, dt: float, new: list) -> None:
+    """new = old + share dt a, with what the sides give."""
     for d, (a, u, out) in enumerate(zip(liquid.acceleration, old, new, strict=True)):
         if a is not None:
-            liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], u, a, dt, out)
+            liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], u, a, share * dt, out)
     liquid.sides.let_out(old, new, dt)
     liquid.sides.fill_velocity(new)
 
@@ -63,7 +63,11 @@ def _continue(liquid: Liquid, flow: Flow, velocity: list) -> None:
     if flow.F is not None:
         for d, (u, b) in enumerate(zip(velocity, liquid.projector.matrix.b, strict=True)):
             if u is not None:
-                continue_velocity(liquid.team, liquid.about, b, liquid.openings[1 + d], flow.F, u, d, DUST, liquid.mark)
+                continue_velocity(
+                    liquid.team, liquid.about, b, liquid.openings[1 + d], flow.F, u, d, liquid.sides.periodic[d], DUST,
+                    liquid.mark,
+                )  # fmt: skip
+        liquid.sides.follow(velocity, liquid.projector.matrix.b)
     liquid.sides.fill_velocity(velocity)
 
 

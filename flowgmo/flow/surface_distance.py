@@ -62,7 +62,7 @@ def wet_share(F, V, opened, steps, own, other, d, sign, own_wide, other_wide):
     """Share of the distance of two centres that is wet: own (i, j, k) is liquid, other beyond sign * d is not."""
     h = 0.5 * (own_wide + other_wide)
     near = _met(F, V, opened, steps, own[0], own[1], own[2], d, sign)
-    if 0.0 <= near <= 0.5:
+    if -NEAREST <= near <= 0.5:  # a plane through the very centre, where F = 1/2, may round to either side of it
         return max(near * own_wide / h, NEAREST)
     far = _met(F, V, opened, steps, other[0], other[1], other[2], d, -sign)
     if 0.0 <= far <= 0.5:
