@@ -82,8 +82,6 @@ def _of_fluid(fluid: FluidPlan) -> Found:
         walls = "the liquid sticks to walls" if fluid.no_slip else "walls are smooth"
         yield "viscosity", f"shear stress of the liquid, {how}; {walls}", "IFVISC"
     yield "liquid", "pressure, and velocity that it keeps free of divergence", "RHOF"
-    if fluid.compressibility is not None:
-        yield "compressibility", "liquid gives way a little to pressure", "RCSQL"
     if fluid.free_surface:
         how = {"plic": "as planes in cells", "donor": "by the cell it comes from"}[fluid.tracking]
         yield "free surface", f"liquid and void; the surface moves {how}", "ITB"

@@ -74,7 +74,6 @@ def test_effects_of_the_liquid(build):
         "gravity": "line 3: gz=-9.81",
         "viscosity": "line 4: ifvisc=1",
         "liquid": "line 8: rhof=1000.0",
-        "compressibility": "line 9: rcsql=1e-09",
         "free surface": "line 3: itb=1",
         "loads": "line 19: ifrco(1)=1",
     }
