@@ -20,6 +20,7 @@ from flowgmo.flow.projection import Projector
 from flowgmo.flow.surface_tracking import tracking_of
 from flowgmo.flow.tally import Tally
 from flowgmo.flow.team import Team
+from flowgmo.flow.thin_cells import find_thin_faces
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate, surface_limit
 from flowgmo.flow_plan import FluidPlan
 
@@ -45,8 +46,10 @@ class Liquid:
         self.team = Team(threads)
         self.shape = tuple(len(d) for d in grid[:3])
         self.present = tuple(n > 1 + 2 * G for n in self.shape)
-        self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
-        self.projector = Projector(grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor)
+        thin = find_thin_faces(openings)
+        self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team, thin)
+        plain = plan.pressure.plain_sor
+        self.projector = Projector(grid, openings, sides, self.team, plan.rho, thin=thin, plain=plain)
         self.acceleration = self._per_direction()
         self.predicted = self._per_direction()
         self.p = np.zeros(self.shape)
@@ -87,7 +90,7 @@ class Liquid:
         """How long the next step may be [time]; `limiting` names what bounds it. start: DELT, for the first step."""
         plan = self.plan
         self.find_columns(flow.F)
-        rate = courant_rate(self.team, self.near, self.grid, flow.F, DUST, [flow.u, flow.v, flow.w])
+        rate = courant_rate(self.team, self.near, self.grid, self.openings, flow.F, DUST, [flow.u, flow.v, flow.w])
         limits = {
             "flow": min(plan.steps.courant, MOST_COURANT) / rate if rate > 0.0 else np.inf,
             "surface": plan.steps.surface_courant * self.surface_limit,

@@ -26,6 +26,7 @@ from flowgmo.flow.sealed import Sealed
 from flowgmo.flow.surface_distance import mark_liquid
 from flowgmo.flow.surface_normals import steps_of
 from flowgmo.flow.team import Team
+from flowgmo.flow.thin_cells import ThinFaces, multiply
 from flowgmo.kernel import flow_kernel
 from flowgmo.mesh import PRESSURE
 
@@ -128,7 +129,15 @@ class Projector:
     """The pressure equation and its solver, with their arrays: 7 of float64 and 8 of float32 of mesh size."""
 
     def __init__(
-        self, grid: Grid, openings: Open, sides: Sides, team: Team, rho: float, *, plain: bool = False
+        self,
+        grid: Grid,
+        openings: Open,
+        sides: Sides,
+        team: Team,
+        rho: float,
+        *,
+        thin: tuple[ThinFaces | None, ...] = (None, None, None),
+        plain: bool = False,
     ) -> None:
         self.grid, self.openings, self.sides, self.team, self.rho = grid, openings, sides, team, rho
         shape = tuple(len(d) for d in (grid.dx, grid.dy, grid.dz))
@@ -146,6 +155,7 @@ class Projector:
         )
         self.wet = np.zeros(shape, np.int8)
         self.steps = steps_of(grid)
+        self.thin = thin
         self.every = all_columns(shape)
         held = tuple(plan.kind == PRESSURE for plan in sides.plans)
         self.sealed = Sealed(openings, shape, held, sides.periodic)
@@ -178,6 +188,9 @@ class Projector:
         run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.wet, *m.b)
         if F is not None:
             self._reach_surface(F)
+        for b, thin in zip(m.b, self.thin, strict=True):
+            if thin is not None:
+                run(multiply, *thin, b)
         self.sides.set_coefficients(m.b, self.openings[1:], self.wet)
         run(diagonals, m.columns, self.wet, *m.b, None, m.diagonal)
         if self.multigrid is not None:
@@ -227,10 +240,3 @@ class Projector:
                 outer = self.lower_faces[d]
                 if outer is not None:
                     self.team.run(push, outer, *args)
-
-
-def push_by_pressure(projector: Projector, p: np.ndarray, dt: float, velocity: list) -> None:
-    """velocity -= dt grad p / rho, with the present surface and sides."""
-    projector.team.run(scale_liquid, projector.matrix.faces, p, dt / projector.rho, projector.wet, projector.q)
-    projector.sides.fill_pressure(projector.q, dt, velocity)
-    projector.push(velocity)

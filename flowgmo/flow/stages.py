@@ -12,12 +12,13 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.errors import StepFailed, StepTooLong
+from flowgmo.flow.columns import all_columns
 from flowgmo.flow.conjugate_gradients import Solved
 from flowgmo.flow.extrapolation import continue_velocity
 from flowgmo.flow.fields import Flow
+from flowgmo.flow.first_stage import push_by_last_pressure
 from flowgmo.flow.liquid import DUST, Liquid
 from flowgmo.flow.prediction import accelerate, fill
-from flowgmo.flow.projection import push_by_pressure
 from flowgmo.flow.sealed import PressedTogether
 from flowgmo.flow.surface_tracking import move_liquid as carry_liquid
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate
@@ -42,7 +43,7 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     if liquid.plan.order == 1:
         liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
         return
-    push_by_pressure(liquid.projector, flow.p, dt, new)
+    push_by_last_pressure(liquid.projector, flow.p, dt, new)
     _continue(liquid, flow, new)
     add(liquid.faces, new, flow.F, liquid.acceleration, dt)
     _advance(liquid, old, 0.5, dt, new)
@@ -89,7 +90,7 @@ def project(liquid: Liquid, flow: Flow, dt: float) -> Solved:
     if not solved.converged:
         raise StepTooLong(f"the pressure did not converge in {solved.iterations} iterations")
     _continue(liquid, flow, new)
-    rate = courant_rate(liquid.team, liquid.near, liquid.grid, flow.F, DUST, new)
+    rate = courant_rate(liquid.team, liquid.near, liquid.grid, liquid.openings, flow.F, DUST, new)
     liquid.courant = rate * dt
     if rate * dt > MOST_COURANT:
         raise StepTooLong(f"the liquid crosses {rate * dt:.3g} of a cell in a step")
@@ -108,11 +109,10 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
 def settle_pressure(liquid: Liquid, flow: Flow, dt: float) -> None:
     """flow.p becomes the pressure that holds the liquid at rest in gravity: hydrostatic under a level surface."""
     at_rest = [None if a is None else np.zeros_like(a) for a in flow.velocity]
-    for a, g, A in zip(at_rest, liquid.gravity, liquid.openings[1:], strict=True):
-        if a is not None:
-            a[...] = g * dt
-            if A is not None:
-                a[A == 0.0] = 0.0
+    liquid.momentum.add_gravity(all_columns(liquid.shape), at_rest, dt)
+    for a, A in zip(at_rest, liquid.openings[1:], strict=True):
+        if a is not None and A is not None:
+            a[A == 0.0] = 0.0
     liquid.sides.set_time(0.0)
     liquid.sides.fill_velocity(at_rest)
     liquid.projector.set_surface(flow.F)

@@ -1,6 +1,8 @@
 """How long a step may be: every term brings its own limit.
 
-flow       sum over directions |u| dt / dx <= CON (<= 1/2: the liquid's directional split needs it)
+flow       sum over directions |u| dt / dx <= CON (<= 1/2: the liquid's directional split needs it). In a cell that a
+           solid cuts: of A |u| / V, which is what the split moves, if that is less; there momentum is advected
+           upwind (cut_advection.py), which is stable to 1, so that half of the sum of the speeds bounds the step
 surface    waves of two cells' length turn by at most one radian a step: sqrt(pi g / dx) dt <= CONFS. The surface is
            moved with the velocities that the pressure of the surface gave; that is stable to two radians
 viscosity  explicit only (viscosity.py)
@@ -13,16 +15,52 @@ import math
 import numpy as np
 
 from flowgmo.flow.columns import ONE
-from flowgmo.flow.fields import G, Grid
+from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.team import Team
-from flowgmo.kernel import flow_kernel
+from flowgmo.kernel import flow_kernel, inner
 
+AT_A_CUT = 0.5  # share of the rate of speeds that counts in cut cells, see above
 MOST_COURANT = 0.5  # bound of the directional split (Weymouth & Yue 2010, section 3)
 
 
+@inner
+def _rate(u_low, u_high, A_low, A_high, V):
+    """The larger flow through two opposite faces, in open volumes of the cell; no face counts more than its speed."""
+    return max(abs(u_low) * min(A_low / V, 1.0), abs(u_high) * min(A_high / V, 1.0))
+
+
+@inner
+def _speed_rate(grid, u, v, w, i, j, k):
+    """Sum over directions of |u| / dx [1/time] of a cell."""
+    rate = 0.0
+    if u is not None:
+        rate += max(abs(u[i - 1, j, k]), abs(u[i, j, k])) / grid.dx[i]
+    if v is not None:
+        rate += max(abs(v[i, j - 1, k]), abs(v[i, j, k])) / grid.dy[j]
+    if w is not None:
+        rate += max(abs(w[i, j, k - ONE]), abs(w[i, j, k])) / grid.dz[k]
+    return rate
+
+
+@inner
+def _flow_rate(grid, opened, u, v, w, i, j, k):
+    """The same of a cell cut by a solid, with what flows through its open areas."""
+    rate, V = 0.0, opened.V[i, j, k]
+    if u is not None:
+        rate += _rate(u[i - 1, j, k], u[i, j, k], opened.Ax[i - 1, j, k], opened.Ax[i, j, k], V) / grid.dx[i]
+    if v is not None:
+        rate += _rate(v[i, j - 1, k], v[i, j, k], opened.Ay[i, j - 1, k], opened.Ay[i, j, k], V) / grid.dy[j]
+    if w is not None:
+        rate += _rate(w[i, j, k - ONE], w[i, j, k], opened.Az[i, j, k - ONE], opened.Az[i, j, k], V) / grid.dz[k]
+    return rate
+
+
 @flow_kernel
-def fastest(columns, first, last, grid, F, least, u, v, w, sums):
-    """sums[c] = largest sum over directions of |u| / dx [1/time] in the columns' cells that hold liquid (F > least)."""
+def fastest(columns, first, last, grid, V, opened, F, least, u, v, w, rates):
+    """rates[c] = largest rate [1/time] at which the liquid (F > least) crosses the columns' cells.
+
+    V: opened.V, told apart so that nothing of solids is compiled where it is None.
+    """
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
@@ -31,24 +69,21 @@ def fastest(columns, first, last, grid, F, least, u, v, w, sums):
             if F is not None:
                 if not F[i, j, k] > least:
                     continue
-            rate = 0.0
-            if u is not None:
-                rate += max(abs(u[i - 1, j, k]), abs(u[i, j, k])) / grid.dx[i]
-            if v is not None:
-                rate += max(abs(v[i, j - 1, k]), abs(v[i, j, k])) / grid.dy[j]
-            if w is not None:
-                rate += max(abs(w[i, j, k - ONE]), abs(w[i, j, k])) / grid.dz[k]
+            rate = _speed_rate(grid, u, v, w, i, j, k)
+            if V is not None:
+                if 0.0 < V[i, j, k] < 1.0:
+                    rate = max(_flow_rate(grid, opened, u, v, w, i, j, k), AT_A_CUT * rate)
             largest = max(largest, rate)
-        sums[c] = largest
+        rates[c] = largest
 
 
 def courant_rate(
-    team: Team, columns: np.ndarray, grid: Grid, F: np.ndarray | None, least: float, velocity: list
+    team: Team, columns: np.ndarray, grid: Grid, opened: Open, F: np.ndarray | None, least: float, velocity: list
 ) -> float:
-    """Largest sum over directions of |u| / dx [1/time] where there is liquid: dt times this is the Courant number."""
-    sums = np.zeros(len(columns))
-    team.run(fastest, columns, grid, F, least, *velocity, sums)
-    return float(sums.max(initial=0.0))
+    """Largest rate [1/time] at which liquid crosses a cell: dt times this is the Courant number."""
+    rates = np.zeros(len(columns))
+    team.run(fastest, columns, grid, opened.V, opened, F, least, *velocity, rates)
+    return float(rates.max(initial=0.0))
 
 
 def surface_limit(grid: Grid, gravity: np.ndarray, directions: tuple[bool, ...]) -> float:
