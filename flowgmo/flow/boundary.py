@@ -19,6 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flowgmo.flow.fields import G, Grid
+from flowgmo.flow.layers import copy_layer, join_cells, set_layer
 from flowgmo.flow_plan import SidePlan, SideValues
 from flowgmo.mesh import CONTINUATIVE, OUTFLOW, PERIODIC, PRESSURE, SYMMETRY, VELOCITY, WALL
 
@@ -65,39 +66,36 @@ class Sides:
 
     def _normal(self, a: np.ndarray, d: int, upper: bool, plan: SidePlan) -> None:
         """Velocity across a side: on the side itself and in the ghosts."""
-        n, at = self.n[d], lambda k: _plane(a, d, k)
+        n = self.n[d]
         side, ghosts = (n + 1, (n + 2, n + 3)) if upper else (1, (0,))
         if plan.kind in CLOSED:
-            at(side)[...] = 0.0
+            set_layer(a, d, side, 0.0)
             for m, k in enumerate(ghosts, start=1):
                 inside = side - m if upper else side + m
-                at(k)[...] = -at(int(np.clip(inside, 1, n + 1)))
+                copy_layer(a, d, k, min(max(inside, 1), n + 1), -1.0)
         elif plan.kind == PERIODIC:
-            if not upper:
-                at(1)[...] = at(n + 1)
-                at(0)[...] = at(n)
-            else:
-                at(n + 2)[...] = at(2)
-                at(n + 3)[...] = at(min(3, n + 1))
+            pairs = ((n + 2, 2), (n + 3, min(3, n + 1))) if upper else ((1, n + 1), (0, n))
+            for ghost, image in pairs:
+                copy_layer(a, d, ghost, image, 1.0)
         else:
             if plan.kind == VELOCITY:
-                at(side)[...] = self.values[2 * d + upper].velocity[d]
+                set_layer(a, d, side, float(self.values[2 * d + upper].velocity[d]))
             for k in ghosts:
-                at(k)[...] = at(side)
+                copy_layer(a, d, k, side, 1.0)
 
     def _beside(self, a: np.ndarray, d: int, upper: bool, plan: SidePlan, given: float | None) -> None:
         """Velocity along a side, or a value of cells: the ghosts."""
         for ghost, inside, joined in self._ghosts(d, upper):
             if given is not None:
-                _plane(a, d, ghost)[...] = given
+                set_layer(a, d, ghost, float(given))
             else:
-                _plane(a, d, ghost)[...] = _plane(a, d, joined if plan.kind == PERIODIC else inside)
+                copy_layer(a, d, ghost, joined if plan.kind == PERIODIC else inside, 1.0)
 
     def _ghosts(self, d: int, upper: bool) -> list[tuple[int, int, int]]:
         """(ghost, its mirror image inside, its image on the other side) of both layers."""
         n = self.n[d]
         first = [(n + 2 + m, n + 1 - m, 2 + m) if upper else (1 - m, 2 + m, n + 1 - m) for m in range(G)]
-        return [(g, int(np.clip(i, G, n + 1)), int(np.clip(j, G, n + 1))) for g, i, j in first]
+        return [(g, min(max(i, G), n + 1), min(max(j, G), n + 1)) for g, i, j in first]
 
     def fill_change(self, c: int, a: np.ndarray) -> None:
         """Ghosts of a change of component c of the velocity: as of the velocity, 0 where that is given."""
@@ -234,16 +232,7 @@ class Sides:
 
     def join(self, a: np.ndarray) -> None:
         """Ghosts of a cell value at periodic sides."""
-        join(a, self.periodic)
-
-
-def join(a: np.ndarray, periodic: Sequence[bool]) -> None:
-    """The first ghosts of a cell value at periodic sides (d): the first cells of the other side."""
-    for d in range(3):
-        if periodic[d]:
-            n = a.shape[d] - 2 * G
-            _plane(a, d, 1)[...] = _plane(a, d, n + 1)
-            _plane(a, d, n + 2)[...] = _plane(a, d, 2)
+        join_cells(a, *self.periodic)
 
 
 def join_faces(b: Sequence[np.ndarray | None], periodic: Sequence[bool]) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.fields import G
-from flowgmo.kernel import kernel
+from flowgmo.kernel import flow_kernel, kernel
 
 #: A loop over k runs with unsigned k: numba then needs no test for negative indices, and LLVM vectorises. Neighbours
 #: are k - ONE and k + ONE, since unsigned and plain numbers together would be floats.
@@ -88,11 +88,14 @@ def cells_in(columns: np.ndarray) -> int:
 
 
 @kernel
-def columns_under(columns, factors, shape):
-    """Columns of the coarse cells that hold the given fine ones; factors (fx, fy, fz), shape of the coarse arrays."""
+def columns_under(columns, factors, ends):
+    """Columns of the coarse cells that hold the given fine ones; factors (fx, fy, fz).
+
+    ends (nx, ny, 2) int32 of the coarse mesh: [i, j] becomes (k0, k1), the same as a table; (0, 0) where there is none.
+    """
     fx, fy, fz = factors
-    nx, ny, nz = shape
-    ends = np.zeros((nx, ny, 2), np.int32)
+    nx, ny, _ = ends.shape
+    ends[...] = 0
     n = np.int64(0)
     for c in range(columns.shape[0]):
         i = (columns[c, 0] - G) // fx + G
@@ -117,3 +120,26 @@ def columns_under(columns, factors, shape):
                 out[n, 3] = ends[i, j, 1]
                 n += 1
     return out
+
+
+@kernel
+def tabulate(columns, ends):
+    """ends [i, j] = (k0, k1) of the columns; (0, 0) where there is none."""
+    ends[...] = 0
+    for c in range(columns.shape[0]):
+        ends[columns[c, 0], columns[c, 1], 0] = columns[c, 2]
+        ends[columns[c, 0], columns[c, 1], 1] = columns[c, 3]
+
+
+@flow_kernel
+def clear_left(columns, first, last, ends, a):
+    """Zero in those of the columns' cells that new columns do not hold; ends [i, j] = (k0, k1) of these."""
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        low = columns[c, 2]
+        high = columns[c, 3]
+        for k in range(low, max(min(high, ends[i, j, 0]), low) if ends[i, j, 1] > ends[i, j, 0] else high):
+            a[i, j, k] = 0.0
+        for k in range(max(low, ends[i, j, 1]), high):
+            a[i, j, k] = 0.0

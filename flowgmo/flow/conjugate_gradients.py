@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flowgmo.flow.boundary import join
 from flowgmo.flow.columns import ONE
+from flowgmo.flow.layers import join_cells
 from flowgmo.flow.multigrid import Multigrid
 from flowgmo.flow.team import Team
-from flowgmo.kernel import flow_kernel
+from flowgmo.kernel import flow_kernel, inner
 
 #: One iteration is made at least, unless the first guess is this much better than asked for: in still water residuals
 #: below the tolerance would else add up until they reach it.
@@ -65,27 +65,39 @@ def product(columns, first, last, d, bx, by, bz, diagonal, q, sums):
 
 
 @flow_kernel
-def advance(columns, first, last, alpha, d, q, x, r):
-    """x += alpha d, r -= alpha q."""
+def advance(columns, first, last, alpha, d, q, x, r, scale, target, weight_x, weight_y, weight_z, worst):
+    """x += alpha d, r -= alpha q, then hand r over."""
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
             x[i, j, k] += alpha * d[i, j, k]
             r[i, j, k] -= alpha * q[i, j, k]
+        worst[c] = _hand_over(columns, c, r, scale, target, weight_z) / (weight_x[i] * weight_y[j])
+
+
+@inner
+def _hand_over(columns, c, r, scale, target, weight_z):
+    """target = scale r in single precision; returns the largest |r| / weight_z of a column."""
+    i = columns[c, 0]
+    j = columns[c, 1]
+    largest = 0.0
+    for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+        target[i, j, k] = np.float32(r[i, j, k] * scale)
+        largest = max(largest, abs(r[i, j, k]) * weight_z[k])
+    return largest
 
 
 @flow_kernel
 def hand_over(columns, first, last, r, scale, target, weight_x, weight_y, weight_z, worst):
-    """target = scale r in single precision; worst[c] = largest |r| / (cell volume) of each column."""
+    """target = scale r in single precision; worst[c] = largest |r| / (cell volume) of each column.
+
+    weight_x, weight_y: widths of cells; weight_z: 1 / their heights.
+    """
     for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        largest = 0.0
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            target[i, j, k] = np.float32(r[i, j, k] * scale)
-            largest = max(largest, abs(r[i, j, k]) / weight_z[k])
-        worst[c] = largest / (weight_x[i] * weight_y[j])
+        worst[c] = _hand_over(columns, c, r, scale, target, weight_z) / (
+            weight_x[columns[c, 0]] * weight_y[columns[c, 1]]
+        )
 
 
 @flow_kernel
@@ -131,6 +143,7 @@ class ConjugateGradients:
     ) -> None:
         self.r, self.d, self.q = (np.zeros(shape) for _ in range(3))
         self.widths, self.multigrid, self.team = widths, multigrid, team
+        self.weights = (widths[0], widths[1], 1.0 / widths[2])
 
     @property
     def unknowns(self) -> tuple[np.ndarray, ...]:
@@ -147,9 +160,9 @@ class ConjugateGradients:
         run, r, d, q, periodic = self.team.run, self.r, self.d, self.q, self.multigrid.periodic
         top = self.multigrid.levels[0]
         worst, sums, both = np.zeros(len(columns)), np.zeros(len(columns)), np.zeros((len(columns), 2))
-        join(x, periodic)
+        join_cells(x, *periodic)
         run(residual, columns, x, right, *matrix, r)
-        run(hand_over, columns, r, 0.0, top.r, *self.widths, worst)
+        run(hand_over, columns, r, 0.0, top.r, *self.weights, worst)
         before = after = float(worst.max(initial=0.0))
         scale, alpha, old = 1.0, 0.0, 1.0
         for iteration in range(most + 1):
@@ -159,20 +172,19 @@ class ConjugateGradients:
                 break
             if iteration == 0:
                 scale = self._scale(before, columns)
-                run(hand_over, columns, r, scale, top.r, *self.widths, worst)
+                run(hand_over, columns, r, scale, top.r, *self.weights, worst)
             z = self.multigrid.cycle()
             run(dots, columns, z, r, q, both)
             new, crossed = both.sum(axis=0)
             beta = 0.0 if iteration == 0 else -alpha * crossed / old  # z . (r - r_before) = -alpha z . q
             run(turn, columns, beta, z, d)
-            join(d, periodic)
+            join_cells(d, *periodic)
             run(product, columns, d, *matrix, q, sums)
             curvature = float(sums.sum())
             if not curvature > 0.0:
                 break
             alpha, old = float(new) / curvature, float(new)
-            run(advance, columns, alpha, d, q, x, r)
-            run(hand_over, columns, r, scale, top.r, *self.widths, worst)
+            run(advance, columns, alpha, d, q, x, r, scale, top.r, *self.weights, worst)
             after = float(worst.max(initial=0.0))
         return Solved(iteration, before, after, False)
 

@@ -194,7 +194,7 @@ class Projector:
         self.sides.set_coefficients(m.b, self.openings[1:], self.wet)
         run(diagonals, m.columns, self.wet, *m.b, None, m.diagonal)
         if self.multigrid is not None:
-            self.multigrid.rebuild(m.faces, m.columns, m.arrays, self.matrix_scale)
+            self.multigrid.rebuild(m.faces, m.columns, self.ends, m.arrays, self.matrix_scale)
 
     def _reach_surface(self, F: np.ndarray) -> None:
         """b of the faces at which the free surface ends what a cell is coupled to."""

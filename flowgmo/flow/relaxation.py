@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.flow.boundary import join
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.conjugate_gradients import Solved, residual
-from flowgmo.flow.multigrid import TWO, first_of
+from flowgmo.flow.layers import join_cells
+from flowgmo.flow.multigrid_cycle import TWO, first_of
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel
 
@@ -72,7 +72,7 @@ class Relaxation:
         while after > tolerance and sweeps < most * SWEEPS_AN_ITERATION:
             for _ in range(LOOK):
                 for colour in (0, 1):
-                    join(x, self.periodic)
+                    join_cells(x, *self.periodic)
                     self.team.run(relax, columns, x, right, *matrix, colour)
             sweeps += LOOK
             after = self._error(columns, matrix, right, x)
@@ -80,7 +80,7 @@ class Relaxation:
 
     def _error(self, columns: np.ndarray, matrix: tuple, right: np.ndarray, x: np.ndarray) -> float:
         worst = np.zeros(len(columns))
-        join(x, self.periodic)
+        join_cells(x, *self.periodic)
         self.team.run(residual, columns, x, right, *matrix, self.r)
         self.team.run(largest, columns, self.r, *self.widths, worst)
         return float(worst.max(initial=0.0))

@@ -31,9 +31,9 @@ def test_cavity(runs):
 
 
 def test_sloshing(runs):
-    # Measured: -.01 % of the period, -1.3 % of the amplitude in four periods. VALIDATION D allows .5 %; .2 % fails where
-    # the last pressure meets the new surface (first_stage.py): short waves, -.3 %. Growth would reveal a surface moved
-    # with velocities that are not the projection's.
+    # Measured: -.01 % of the period, -1.3 % of the amplitude in four periods. VALIDATION D allows .5 %; .2 % fails
+    # where the last pressure meets the new surface (first_stage.py): short waves, -.3 %. Growth would
+    # reveal a surface moved with velocities that are not the projection's.
     found = runs.measure.measure(runs.results("sloshing", "sloshing"), "sloshing", "sloshing")
     assert abs(found["period"] / 1.181816 - 1.0) <= 0.002
     assert 0.96 <= found["first mode left"] <= 1.0

@@ -1,0 +1,53 @@
+"""Layers of an array of mesh size along one direction, ghosts included: what fills ghosts is made of these."""
+
+from __future__ import annotations
+
+from flowgmo.flow.fields import G
+from flowgmo.kernel import kernel
+
+
+@kernel
+def copy_layer(a, d, to, source, factor):
+    """Layer `to` along direction d becomes factor times layer `source`, ghosts included."""
+    nx, ny, nz = a.shape
+    if d == 0:
+        for j in range(ny):
+            for k in range(nz):
+                a[to, j, k] = factor * a[source, j, k]
+    elif d == 1:
+        for i in range(nx):
+            for k in range(nz):
+                a[i, to, k] = factor * a[i, source, k]
+    else:
+        for i in range(nx):
+            for j in range(ny):
+                a[i, j, to] = factor * a[i, j, source]
+
+
+@kernel
+def set_layer(a, d, to, value):
+    """Layer `to` along direction d becomes a number, ghosts included."""
+    nx, ny, nz = a.shape
+    if d == 0:
+        a[to] = value
+    elif d == 1:
+        a[:, to] = value
+    else:
+        for i in range(nx):
+            for j in range(ny):
+                a[i, j, to] = value
+
+
+@kernel
+def join_cells(a, joined_x, joined_y, joined_z):
+    """The first ghosts of a cell value at joined (periodic) sides: the first cells of the other side."""
+    nx, ny, nz = a.shape
+    if joined_x:
+        copy_layer(a, 0, G - 1, nx - G - 1, 1.0)
+        copy_layer(a, 0, nx - G, G, 1.0)
+    if joined_y:
+        copy_layer(a, 1, G - 1, ny - G - 1, 1.0)
+        copy_layer(a, 1, ny - G, G, 1.0)
+    if joined_z:
+        copy_layer(a, 2, G - 1, nz - G - 1, 1.0)
+        copy_layer(a, 2, nz - G, G, 1.0)
