@@ -24,7 +24,7 @@ NONE, HELD, CONTINUED, FREE, BEYOND, CLOSED = 0, 1, 2, 3, 4, 5
 
 @flow_kernel
 def mark_faces(columns, first, last, b, A, F, step, side, least, mark):
-    """Sort the upper faces (along `step`, a unit vector of three ints) of the columns' cells into the kinds above.
+    """Sort the upper faces (along `step`, a unit vector, its z unsigned) of the columns' cells into the kinds above.
 
     side: index of the faces on the domain's upper side, -1 where periodic: they are CLOSED, since those on the lower
     side lie in no column, and a mirrored scene must give the mirrored flow.
@@ -32,19 +32,20 @@ def mark_faces(columns, first, last, b, A, F, step, side, least, mark):
     """
     p, q, r = step
     for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(columns[c, 2], columns[c, 3]):
-            kind = NONE
-            if i * p + j * q + k * r == side:
-                kind = CLOSED
-            elif b[i, j, k] > 0.0:
-                kind = HELD
-            elif A is not None and A[i, j, k] == 0.0:
-                kind = CLOSED
-            elif F[i, j, k] > least or F[i + p, j + q, k + r] > least:
-                kind = FREE
-            mark[i, j, k] = kind
+        i = np.int64(columns[c, 0])
+        j = np.int64(columns[c, 1])
+        k1 = np.int64(columns[c, 3])
+        for k in range(np.uint64(columns[c, 2]), np.uint64(k1)):
+            kind = FREE if max(F[i, j, k], F[i + p, j + q, k + r]) > least else NONE
+            if A is not None:
+                kind = CLOSED if A[i, j, k] == 0.0 else kind
+            mark[i, j, k] = HELD if b[i, j, k] > 0.0 else kind
+        if r != 0:
+            if k1 - 1 == side:
+                mark[i, j, side] = CLOSED
+        elif i * p + j * q == side:
+            for k in range(np.int64(columns[c, 2]), k1):
+                mark[i, j, k] = CLOSED
 
 
 @flow_kernel
@@ -52,42 +53,32 @@ def continue_faces(columns, first, last, source, value, mark):
     """Faces without a held value take the mean of neighbours of kind `source` or lower (not NONE); mark them.
 
     source HELD: from held faces, the result is CONTINUED; source FREE: from all that have a value, it is BEYOND.
-    New kinds are written as negative numbers, so that a face never looks at one that was set in the same pass.
+    The new kind is above `source`, so that no face looks at one that was set in the same pass.
     """
-    nx, ny, nz = mark.shape
-    new = -CONTINUED if source == HELD else -BEYOND
+    new = CONTINUED if source == HELD else BEYOND
     for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(columns[c, 2], columns[c, 3]):
+        i = np.int64(columns[c, 0])
+        j = np.int64(columns[c, 1])
+        for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
             kind = mark[i, j, k]
             if kind == HELD or kind == CLOSED or (source != HELD and kind != NONE):
                 continue
             total = 0.0
             weight = 0.0
-            for m in range(max(i - 1, 0), min(i + 2, nx)):
-                for n in range(max(j - 1, 0), min(j + 2, ny)):
-                    for o in range(max(k - 1, 0), min(k + 2, nz)):
-                        there = mark[m, n, o]
+            for m in range(-1, 2):
+                for n in range(-1, 2):
+                    for o in range(-1, 2):
+                        there = mark[i + m, j + n, k + o]
                         if there > NONE and there <= source:
-                            near = 1.0 / ((m - i) ** 2 + (n - j) ** 2 + (o - k) ** 2)
-                            total += near * value[m, n, o]
+                            steps = abs(m) + abs(n) + abs(o)  # distance2, since each is one at most
+                            near = 1.0 if steps == 1 else (0.5 if steps == 2 else 1.0 / 3.0)
+                            total += near * value[i + m, j + n, k + o]
                             weight += near
             if weight > 0.0:
                 value[i, j, k] = total / weight
                 mark[i, j, k] = new
             elif kind == NONE:
                 value[i, j, k] = 0.0
-
-
-@flow_kernel
-def settle_marks(columns, first, last, mark):
-    """Make the new kinds count."""
-    for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(columns[c, 2], columns[c, 3]):
-            mark[i, j, k] = abs(mark[i, j, k])
 
 
 def continue_velocity(team, columns, b, A, F, value, direction, periodic, least, mark) -> None:
@@ -97,9 +88,8 @@ def continue_velocity(team, columns, b, A, F, value, direction, periodic, least,
     domain's sides keep their value, unless the direction is periodic.
     mark: int8 scratch of mesh size, 0 outside the columns.
     """
-    step = tuple(int(d == direction) for d in range(3))
+    step = (int(direction == 0), int(direction == 1), np.uint64(direction == 2))
     side = -1 if periodic else value.shape[direction] - G - 1
     team.run(mark_faces, columns, b, A, F, step, np.int64(side), least, mark)
     for source in (HELD, FREE):
         team.run(continue_faces, columns, np.int64(source), value, mark)
-        team.run(settle_marks, columns, mark)

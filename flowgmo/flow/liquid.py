@@ -61,6 +61,7 @@ class Liquid:
         self.entered = np.zeros(6)  # [length3] liquid that came in through each side in the step just made
         self.walls = {}  # body number -> (cells (n, 3), face shares (n, 6)) of the wall it makes
         self.near = self.faces = self.about = all_columns(self.shape)
+        self._found = None  # the fraction whose columns these are, until the next one is stored
         self.limiting = ""
         self.courant = 0.0  # of the step just made
         self.tally = Tally()
@@ -69,14 +70,16 @@ class Liquid:
         return [np.zeros(self.shape) if there else None for there in self.present]
 
     def find_columns(self, F: np.ndarray | None) -> None:
-        """Set `near` and `about` to where the liquid is."""
-        if F is not None:
+        """Set `near`, `faces` and `about` to where the liquid is."""
+        if F is not None and F is not self._found:
+            self._found = F
             self.near = columns_where(F, DUST)
             self.faces = widen(self.near, 1, self.shape, self.ends)
             self.about = widen(self.near, 2, self.shape, self.ends)
 
     def store(self, flow: Flow, dt: float) -> None:
         """Make the new values the state's, and the state's old arrays scratch."""
+        self._found = None
         old = flow.velocity
         flow.u, flow.v, flow.w = self.predicted
         self.predicted = old

@@ -30,21 +30,8 @@ def _rate(u_low, u_high, A_low, A_high, V):
 
 
 @inner
-def _speed_rate(grid, u, v, w, i, j, k):
-    """Sum over directions of |u| / dx [1/time] of a cell."""
-    rate = 0.0
-    if u is not None:
-        rate += max(abs(u[i - 1, j, k]), abs(u[i, j, k])) / grid.dx[i]
-    if v is not None:
-        rate += max(abs(v[i, j - 1, k]), abs(v[i, j, k])) / grid.dy[j]
-    if w is not None:
-        rate += max(abs(w[i, j, k - ONE]), abs(w[i, j, k])) / grid.dz[k]
-    return rate
-
-
-@inner
 def _flow_rate(grid, opened, u, v, w, i, j, k):
-    """The same of a cell cut by a solid, with what flows through its open areas."""
+    """Sum over directions of A |u| / (V dx) [1/time] of a cell that a solid cuts."""
     rate, V = 0.0, opened.V[i, j, k]
     if u is not None:
         rate += _rate(u[i - 1, j, k], u[i, j, k], opened.Ax[i - 1, j, k], opened.Ax[i, j, k], V) / grid.dx[i]
@@ -56,24 +43,34 @@ def _flow_rate(grid, opened, u, v, w, i, j, k):
 
 
 @flow_kernel
-def fastest(columns, first, last, grid, V, opened, F, least, u, v, w, rates):
+def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rates):
     """rates[c] = largest rate [1/time] at which the liquid (F > least) crosses the columns' cells.
 
-    V: opened.V, told apart so that nothing of solids is compiled where it is None.
+    per_z: 1 / grid.dz. V: opened.V, told apart so that nothing of solids is compiled where it is None.
     """
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
+        per_x, per_y = 1.0 / grid.dx[i], 1.0 / grid.dy[j]
         largest = 0.0
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            rate = 0.0
+            if u is not None:
+                rate += max(abs(u[i - 1, j, k]), abs(u[i, j, k])) * per_x
+            if v is not None:
+                rate += max(abs(v[i, j - 1, k]), abs(v[i, j, k])) * per_y
+            if w is not None:
+                rate += max(abs(w[i, j, k - ONE]), abs(w[i, j, k])) * per_z[k]
             if F is not None:
-                if not F[i, j, k] > least:
-                    continue
-            rate = _speed_rate(grid, u, v, w, i, j, k)
+                rate = rate if F[i, j, k] > least else 0.0
             if V is not None:
-                if 0.0 < V[i, j, k] < 1.0:
-                    rate = max(_flow_rate(grid, opened, u, v, w, i, j, k), AT_A_CUT * rate)
+                rate = rate if V[i, j, k] >= 1.0 else AT_A_CUT * rate
             largest = max(largest, rate)
+        if V is not None:
+            for k in range(columns[c, 2], columns[c, 3]):
+                if 0.0 < V[i, j, k] < 1.0:
+                    if F is None or F[i, j, k] > least:
+                        largest = max(largest, _flow_rate(grid, opened, u, v, w, i, j, k))
         rates[c] = largest
 
 
@@ -82,7 +79,7 @@ def courant_rate(
 ) -> float:
     """Largest rate [1/time] at which liquid crosses a cell: dt times this is the Courant number."""
     rates = np.zeros(len(columns))
-    team.run(fastest, columns, grid, opened.V, opened, F, least, *velocity, rates)
+    team.run(fastest, columns, grid, 1.0 / grid.dz, opened.V, opened, F, least, *velocity, rates)
     return float(rates.max(initial=0.0))
 
 
