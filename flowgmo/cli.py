@@ -39,7 +39,7 @@ def run(deck: Path, output: Path | None, overwrite: bool, restart: Path | None, 
     """Compute the scene of a deck."""
     from flowgmo.building import build_model
     from flowgmo.deck import read_deck
-    from flowgmo.run import prepare_folder
+    from flowgmo.results_folder import prepare_folder
     from flowgmo.run import run as compute
 
     if threads:

@@ -32,7 +32,8 @@ class Runs:
         """Run the deck at `path` into `folder`; returns the folder."""
         from flowgmo.building import build_model
         from flowgmo.deck import read_deck
-        from flowgmo.run import DONE, prepare_folder, run
+        from flowgmo.results_folder import prepare_folder
+        from flowgmo.run import DONE, run
 
         model = build_model(read_deck(path), folder)
         prepare_folder(folder, overwrite=False, restart=False)
