@@ -8,7 +8,6 @@ from flowgmo.building.findings import Findings
 from flowgmo.building.gauges import build_loads, build_planes, check_probes
 from flowgmo.building.liquid import build_start
 from flowgmo.building.memory import check_memory
-from flowgmo.deck import Deck
 from flowgmo.flow_plan import GROWTH, MOST_COURANT, CleanUp, FluidPlan, PressurePlan, StepPlan
 from flowgmo.mesh import Mesh
 
@@ -45,7 +44,7 @@ def build_fluid(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> FluidP
         void_pressure=void_pressure,
         steps=_steps(found),
         pressure=PressurePlan(float(deck["EPSADJ"]), int(deck["ITMAX"]), plain_sor=deck["IGMRES"] == 0),
-        clean_up=_clean_up(deck),
+        clean_up=_clean_up(found),
         start=build_start(found, mesh, void_pressure),
         sides=sides,
         planes=build_planes(found, mesh),
@@ -78,10 +77,19 @@ def _steps(found: Findings) -> StepPlan:
     )  # fmt: skip
 
 
-def _clean_up(deck: Deck) -> CleanUp:
-    """AVRCK with either sign is its size: decks write -3.1."""
-    sliver = abs(float(deck["AVRCK"])) if deck["IAVRCK"] == 1 else 0.0
-    return CleanUp(snap=float(deck["EPS"]), smallest_volume=float(deck["VFCLEAN"]), sliver=sliver or None)
+def _clean_up(found: Findings) -> CleanUp:
+    """AVRCK acts with IAVRCK=1, its sign does not (decks write -3.1). Off by default: slivers cost no step here
+    (flow/spill_over.py), and raising their volumes moves walls."""
+    deck = found.deck
+    raises = deck["IAVRCK"] == 1 and deck["AVRCK"] != 0.0
+    if raises:
+        found.notice(
+            "IAVRCK", wrong="slivers get more volume than is open, which moves walls by up to a third of a cell"
+        )
+    elif deck.given("AVRCK") and not deck.given("IAVRCK"):
+        found.notice("AVRCK", wrong="slivers keep their volume: they cost no step here", write="Or write iavrck=1")
+    sliver = abs(float(deck["AVRCK"])) if raises else None
+    return CleanUp(snap=float(deck["EPS"]), smallest_volume=float(deck["VFCLEAN"]), sliver=sliver)
 
 
 def _check_open(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> None:

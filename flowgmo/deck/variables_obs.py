@@ -41,7 +41,7 @@ IFWETAR | int | m | 0 | - | 0 1 | M | 1 records the wetted area
 IBUOYO | int | m | 0 | - | 0 1 | M | 1 records centre of buoyancy and metacentric height
 IPREF | int | m | 1 | - | 1 2 | M | reference pressure: 1 PREFMBW, 2 mean over the wet surface
 PREFMBW | real | m | PVOID | mass/length/time2 | | M | pressure on dry and on outlying surface
-IAVRCK | int | | 1 | - | 0 1 | M | thin open slivers of cells are adjusted
+IAVRCK | int | | 0 | - | 0 1 | M | 1 raises the open volume of slivers, which moves walls
 AVRCK | real | | 3.1 | - | | M D1 | ratio of open area to volume that makes a sliver
 = accepted
 SUBCMPID | char | n | '' | - | | M D3 | name of a subcomponent

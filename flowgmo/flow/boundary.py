@@ -7,19 +7,20 @@ kind          normal velocity on the side     ghosts of velocity      F         
 4 periodic    of the other side               of the other side       other side  joined
 5 pressure    found by the projection         as inside               given       held, half a cell outside
 6 velocity    given                           given                   given       closed, the flow is given
-8 outflow     leaves at its own speed         as inside               as inside   closed, the flow out is given
+8 outflow     leaves, as into the empty       as inside               as inside   closed, the flow out is given
 
 index along a direction:   0   1 | 2  ..  n + 1 | n + 2  n + 3      faces on the sides: 1 and n + 1
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from flowgmo.flow.fields import G, Grid
-from flowgmo.flow.layers import copy_layer, join_cells, set_layer
+from flowgmo.flow.layers import copy_layer, copy_layer_where_dry, join_cells, set_layer
+from flowgmo.flow.outflow import emptying
 from flowgmo.flow_plan import SidePlan, SideValues
 from flowgmo.mesh import CONTINUATIVE, OUTFLOW, PERIODIC, PRESSURE, SYMMETRY, VELOCITY, WALL
 
@@ -30,10 +31,20 @@ GIVEN = (CONTINUATIVE, VELOCITY, OUTFLOW)  # the projection takes the side's vel
 class Sides:
     """What holds on the six sides (`plans`, SidePlan) at one time.
 
-    gravity (3,), rho: for the hydrostatic pressure under a given height (along z, as in the deck).
+    gravity (3,), rho: for the hydrostatic pressure under a given height (along z, as in the deck). streams: numbers of
+    the outflow sides through which the liquid streams from the start (let_out).
     """
 
-    def __init__(self, plans: Sequence[SidePlan], grid: Grid, z: np.ndarray, rho: float, gravity: np.ndarray) -> None:
+    def __init__(
+        self,
+        plans: Sequence[SidePlan],
+        grid: Grid,
+        z: np.ndarray,
+        rho: float,
+        gravity: np.ndarray,
+        streams: Sequence[int] = (),
+    ) -> None:
+        self.streams = frozenset(streams)
         self.plans, self.grid, self.z, self.rho, self.gravity = tuple(plans), grid, z, rho, gravity
         self.widths = (grid.dx, grid.dy, grid.dz)
         self.n = tuple(len(w) - 2 * G for w in self.widths)
@@ -113,13 +124,20 @@ class Sides:
                 else:
                     self._beside(a, d, upper, plan, None)
 
-    def let_out(self, old: Sequence[np.ndarray | None], new: Sequence[np.ndarray | None], dt: float) -> None:
-        """Predicted velocity on continuative, outflow, and pressure sides.
+    def let_out(
+        self,
+        old: Sequence[np.ndarray | None],
+        new: Sequence[np.ndarray | None],
+        dt: float,
+        F: np.ndarray | None = None,
+    ) -> None:
+        """Predicted velocity on continuative, outflow, and pressure sides. The projection does the rest.
 
-        Outflow: what leaves is carried across the side at its own speed, u_t + u u_n = 0, and nothing comes back
-        (Orlanski 1976, with the local speed). Continuative: as one face inside. Pressure: where it leaves it gains
-        what the face inside gains; what enters brings its own speed along, and gains gravity only. The projection does
-        the rest. dt: of the whole step, in each of its stages.
+        Continuative: as one face inside, the liquid goes on outside as it is, still water stays still. Outflow: what
+        leaves is carried across the side at its own speed, u_t + u u_n = 0, and nothing comes back (Orlanski 1976, with
+        the local speed); where no stream left at the start, water meets no liquid there (outflow.py). Pressure: where
+        it leaves it gains what the face inside gains; what enters brings its own speed along, and gains gravity only.
+        dt: of the whole step, in each of its stages. F: of the start of the step, None without a surface.
         """
         for d in range(3):
             if new[d] is None:
@@ -141,7 +159,10 @@ class Sides:
                 here, there = _plane(old[d], d, side) * sign, _plane(old[d], d, inside) * sign
                 width = self.widths[d][side if upper else side + 1]
                 share = np.minimum(np.maximum(here, there).clip(0.0) * (dt / width), 1.0)
-                _plane(new[d], d, side)[...] = sign * np.maximum(here + share * (there - here), 0.0)
+                still = 2 * d + upper not in self.streams
+                gain, turn = emptying(F, d, upper, there, self.widths, self.gravity) if still else (0.0, 0.0)
+                share = np.where(gain > 0.0, np.minimum(turn * dt, 1.0), share)
+                _plane(new[d], d, side)[...] = sign * np.maximum(here + share * (there + gain - here), 0.0)
 
     def follow(self, velocity: Sequence[np.ndarray | None], b: Sequence[np.ndarray | None]) -> None:
         """Faces of pressure sides that no liquid cell touches (b = 0): as one face inside.
@@ -156,6 +177,32 @@ class Sides:
                     side, inside = (self.n[d] + 1, self.n[d]) if upper else (1, 2)
                     u, free = velocity[d], _plane(b[d], d, side) == 0.0
                     _plane(u, d, side)[free] = _plane(u, d, inside)[free]
+
+    def loosen(self, velocity: Sequence[np.ndarray | None], F: np.ndarray | None, least: float) -> None:
+        """Closed sides that no liquid touches (F <= least beside them): as one face inside, ghosts too.
+
+        The normal velocity 0 of a wall is that of liquid on it. Where there is air between, advection would carry it
+        into liquid that moves away, as if the wall held on to it. `tighten` puts it back.
+        """
+        if F is None:
+            return
+        for a, d, upper in self._closed(velocity):
+            n = self.n[d]
+            inside, beside, beyond = (n, n + 1, (n + 1, n + 2, n + 3)) if upper else (2, G, (1, 0))
+            for layer in beyond:
+                copy_layer_where_dry(a, d, layer, inside, F, beside, least)
+
+    def tighten(self, velocity: Sequence[np.ndarray | None]) -> None:
+        """Closed sides again, after `loosen`."""
+        for a, d, upper in self._closed(velocity):
+            self._normal(a, d, upper, self.plans[2 * d + upper])
+
+    def _closed(self, velocity: Sequence[np.ndarray | None]) -> Iterator[tuple[np.ndarray, int, bool]]:
+        """(normal velocity, direction, whether it is the upper one) of the closed sides."""
+        for d, a in enumerate(velocity):
+            for upper in (False, True):
+                if a is not None and self.plans[2 * d + upper].kind in CLOSED:
+                    yield a, d, upper
 
     # ---- liquid
 

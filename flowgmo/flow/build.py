@@ -22,11 +22,18 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
     plan = model.fluid
     grid = grid_of(block)
     solids = _solids(model)
-    sides = Sides(plan.sides, grid, block.z, plan.rho, model.gravity)
+    sides = Sides(plan.sides, grid, block.z, plan.rho, model.gravity, _streams(model))
     liquid = Liquid(plan, grid, solids, sides, model.gravity, threads or default_threads())
     for body, share in zip(model.bodies, solids.shares, strict=False):
         liquid.walls[body.number] = (share.cells, share.faces)
     return liquid
+
+
+def _streams(model: Model) -> list[int]:
+    """Sides towards which liquid moves at the start: there it goes on outside as well (boundary.let_out)."""
+    start = model.fluid.start
+    speeds = [start.velocity, *(region.velocity for region in start.regions if region.adds)]
+    return [n for n in range(6) if any(v[n // 2] * (1 if n % 2 else -1) > 0.0 for v in speeds)]
 
 
 def _solids(model: Model) -> Solids:
@@ -35,8 +42,9 @@ def _solids(model: Model) -> Solids:
     if not shapes:
         return Solids(Open(None, None, None, None), (), np.zeros(0), None)
     clean_up = model.fluid.clean_up
+    least, lone = clean_up.snap, clean_up.smallest_volume
     try:
-        return open_fractions(block, shapes, least=clean_up.snap, lone=clean_up.smallest_volume, area_ratio=None)
+        return open_fractions(block, shapes, least=least, lone=lone, area_ratio=clean_up.sliver)
     except ValueError as error:
         raise FlowgmoError(str(error)) from error
 

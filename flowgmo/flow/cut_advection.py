@@ -11,6 +11,7 @@ the areas keeps |U_r| below the velocity itself, and is V wherever flow runs alo
 What is on the far side of a closed face:
 * A closed face of a cell that is open to the full is a wall lying on that face: its normal velocity, which is stored
   there (0), is the truth. Water that comes down a wall and turns round its edge carries none of it along the edge.
+  So it is while liquid touches it: over air it says nothing, and would hold back liquid that moves away.
 * Any other closed face lies inside a solid and holds nothing. There q_P itself is taken, so that a uniform stream
   along an oblique wall stays uniform.
 """
@@ -25,22 +26,29 @@ from flowgmo.kernel import flow_kernel, inner
 NO = U64(0)
 
 
+DRY = 1e-9  # F up to which a cell counts as dry: what rests there takes no part (liquid.DUST)
+
+
 @inner
-def _known(q, A, V, i, j, k, ci, cj, ck, otherwise):
-    """q of a face of component c, or `otherwise` where it lies inside a solid."""
-    if A[i, j, k] > 0.0 or V[i, j, k] >= 1.0 or V[i + ci, j + cj, k + ck] >= 1.0:
+def _known(q, A, V, F, i, j, k, ci, cj, ck, otherwise):
+    """q of a face of component c, or `otherwise` where it lies inside a solid or on a dry wall."""
+    if A[i, j, k] > 0.0:
         return q[i, j, k]
+    if V[i, j, k] >= 1.0 or V[i + ci, j + cj, k + ck] >= 1.0:
+        if F is None:
+            return q[i, j, k]
+        return q[i, j, k] if max(F[i, j, k], F[i + ci, j + cj, k + ck]) > DRY else otherwise
     return otherwise
 
 
 @inner
-def _along(q, A, V, vel, Ad, i, j, k, ci, cj, ck, di, dj, dk, ends, slopes, m, g):
+def _along(q, A, V, F, vel, Ad, i, j, k, ci, cj, ck, di, dj, dk, ends, slopes, m, g):
     """U dq/dd on face P = (i, j, k) of component c; d the direction of vel, m P's index along it, g as in advect."""
     q0 = q[i, j, k]
-    above = _known(q, A, V, i + di, j + dj, k + dk, ci, cj, ck, q0)
-    below = _known(q, A, V, i - di, j - dj, k - dk, ci, cj, ck, q0)
-    above2 = _known(q, A, V, i + di + di, j + dj + dj, k + dk + dk, ci, cj, ck, above)
-    below2 = _known(q, A, V, i - di - di, j - dj - dj, k - dk - dk, ci, cj, ck, below)
+    above = _known(q, A, V, F, i + di, j + dj, k + dk, ci, cj, ck, q0)
+    below = _known(q, A, V, F, i - di, j - dj, k - dk, ci, cj, ck, q0)
+    above2 = _known(q, A, V, F, i + di + di, j + dj + dj, k + dk + dk, ci, cj, ck, above)
+    below2 = _known(q, A, V, F, i - di - di, j - dj - dj, k - dk - dk, ci, cj, ck, below)
     a = i - di
     b = j - dj
     h = k - dk
@@ -72,11 +80,11 @@ def advect_cut(rows, first, last, ci, cj, ck, q, A, F, out, u, v, w, V, Ax, Ay, 
         total = 0.0
         if u is not None:
             own = 0.5 if ci > NO else g
-            total += _along(q, A, V, u, Ax, i, j, k, ci, cj, ck, X, NO, NO, ends[0], slopes[0], i, own)
+            total += _along(q, A, V, F, u, Ax, i, j, k, ci, cj, ck, X, NO, NO, ends[0], slopes[0], i, own)
         if v is not None:
             own = 0.5 if cj > NO else g
-            total += _along(q, A, V, v, Ay, i, j, k, ci, cj, ck, NO, Y, NO, ends[1], slopes[1], j, own)
+            total += _along(q, A, V, F, v, Ay, i, j, k, ci, cj, ck, NO, Y, NO, ends[1], slopes[1], j, own)
         if w is not None:
             own = 0.5 if ck > NO else g
-            total += _along(q, A, V, w, Az, i, j, k, ci, cj, ck, NO, NO, Z, ends[2], slopes[2], k, own)
+            total += _along(q, A, V, F, w, Az, i, j, k, ci, cj, ck, NO, NO, Z, ends[2], slopes[2], k, own)
         out[i, j, k] -= total

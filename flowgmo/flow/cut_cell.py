@@ -76,7 +76,7 @@ def _set(corner, x, y, z):
 
 
 @inner
-def _start(work, flat):
+def start_cell(work, flat):
     """The unit cell's six faces, counter-clockwise from outside, or only z = 1 where flat; returns their number."""
     for face in range(6):
         axis = face // 2
@@ -131,7 +131,7 @@ def _cut_ring(work, p, size, first, ends):
 
 
 @inner
-def _keep_positive(work, count, f):
+def keep_positive(work, count, f):
     """Cut away from `count` polygons where the field f (8,) is not positive; new count, and number of cut edges."""
     ends = np.int64(0)
     kept = np.int64(0)
@@ -158,7 +158,7 @@ def _keep_positive(work, count, f):
 
 
 @inner
-def _add_wall(work, kept, ends):
+def add_wall(work, kept, ends):
     """Close `kept` polygons by the fan of triangles over their cut edges; new count."""
     for axis in range(3):
         middle = 0.0
@@ -173,7 +173,7 @@ def _add_wall(work, kept, ends):
 
 
 @inner
-def _volume(work, count):
+def volume_inside(work, count):
     """Volume inside `count` polygons that close, in unit cells; from the middle, so that mirror images agree."""
     six = 0.0
     for p in range(count):
@@ -219,7 +219,7 @@ def _like_an_earlier(fields, m):
 
 
 @inner
-def _area(work, count):
+def area_inside(work, count):
     """Area of the polygon in the plane z = 1, about the middle of the square; 0 without one."""
     twice = 0.0
     for v in range(work.sizes[0] if count > 0 else 0):
@@ -248,16 +248,16 @@ def share_where_positive(work, fields, flat):
         return 1.0
     if cuts == 1:
         return area_of_one(work.fields[one]) if flat else volume_of_one(work.fields[one])
-    count = _start(work, flat)
+    count = start_cell(work, flat)
     for m in range(fields):
         like = _like_an_earlier(work.fields, m)
         if like < 0:
             return 0.0
         if like == 0 and _extent(work.fields[m]) == 0:
-            count, ends = _keep_positive(work, count, work.fields[m])
+            count, ends = keep_positive(work, count, work.fields[m])
             if not flat:
-                count = _add_wall(work, count, ends)
-    return _area(work, count) if flat else _volume(work, count)
+                count = add_wall(work, count, ends)
+    return area_inside(work, count) if flat else volume_inside(work, count)
 
 
 @kernel

@@ -6,12 +6,16 @@ what both their cells keep.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from flowgmo.flow.cell_parts import cut_cells
-from flowgmo.flow.near_surface import Distance, node_distances, pairs_of
+from flowgmo.flow.cell_shares import Near, gather, part_of
+from flowgmo.flow.near_surface import Distance, Shape, node_distances, pairs_of
+from flowgmo.flow.sheets import is_plain
+from flowgmo.flow.solid_shares import largest_pocket, solid_shares
 from flowgmo.flow.thin_walls import close_divided_faces, crossed_edges, cut_off_nodes, rejoin
 from flowgmo.mesh import Block
 
@@ -37,16 +41,22 @@ class CutPairs(NamedTuple):
 
 
 def cut_pairs(
-    block: Block, distances: list[Distance], near: list[np.ndarray], pieces: int, thin: bool = True
+    block: Block,
+    distances: list[Distance],
+    near: list[np.ndarray],
+    pieces: int,
+    thin: bool = True,
+    shapes: Sequence[Shape] | None = None,
 ) -> CutPairs:
     """Cut all cells that are near solids; near: (n, 3) cells of each solid, in C order, without ghosts.
 
-    thin: look for walls thinner than a cell.
+    thin: look for walls thinner than a cell. shapes: the shapes that the distances are of, where their edges are to be
+    exact; without, they are cut off by chords.
     """
     numbers, starts, which = pairs_of(near, block.shape)
     cells = np.column_stack(np.unravel_index(numbers, block.shape)).astype(np.int32)
     cut = CutPairs(cells, numbers, starts, which, np.empty((len(which), 7)), np.empty((len(numbers), 7)))
-    removed = np.zeros(len(numbers), np.int64)
+    removed, whole = np.zeros(len(numbers), np.int64), np.full(len(numbers), np.nan)
     for a in range(0, len(numbers), BATCH):
         b = min(a + BATCH, len(numbers))
         part = slice(starts[a], starts[b])
@@ -55,11 +65,82 @@ def cut_pairs(
         if thin:
             cut_off_nodes(ends, values, crossed, pieces, removed[a:b])
             rejoin(distances, block.planes, cells[a:b], ends, which[part], values, pieces, removed[a:b])
+            if shapes is not None:
+                _rejoin_at_edges(block, shapes, cut, a + np.flatnonzero(removed[a:b]), removed, pieces)
         cut_cells(ends, values, removed[a:b], pieces, cut.covered[part], cut.opened[a:b])
+        if shapes is not None:
+            _cut_edges(block, shapes, cut, np.arange(a, b), removed[a:b], whole, pieces)
     divided = np.flatnonzero(removed)
     parts = [divided[a : a + BATCH] for a in range(0, len(divided), BATCH)]
-    lost = sum(_divide(block, distances, cut, removed, part, pieces) for part in parts)
+    lost = sum(_divide(block, distances, cut, removed, whole, part, pieces) for part in parts)
+    _agree(block, cut, len(distances))
     return cut._replace(divided=len(divided), lost=float(lost))
+
+
+def _cut_edges(
+    block: Block,
+    shapes: Sequence[Shape],
+    cut: CutPairs,
+    cells: np.ndarray,
+    removed: np.ndarray,
+    whole: np.ndarray,
+    pieces: int,
+) -> None:
+    """Cut cells again, indices (n,) ascending, near bodies of several sheets: their distances have kinks at edges.
+
+    removed (n,): nodes that a thin wall cuts off; where it does, the faces stay, and whole[cells] is what would be open
+    without (nan elsewhere).
+    """
+    chosen, pairs, near = _at_edges(block, shapes, cut, cells, pieces)
+    if near is None:
+        return
+    cells, removed = cells[chosen], removed[chosen]
+    cut.covered[pairs], opened = solid_shares(block, shapes, near, pieces)
+    one = removed == 0
+    cut.opened[cells[one]] = opened[one]
+    if not one.all():
+        divided = np.flatnonzero(~one)
+        kept, _ = largest_pocket(block, shapes, part_of(near, divided), removed[divided], pieces)
+        known = ~np.isnan(kept)
+        cut.opened[cells[divided[known]], 6] = kept[known]
+        whole[cells[divided]] = opened[divided, 6]
+
+
+def _at_edges(
+    block: Block, shapes: Sequence[Shape], cut: CutPairs, cells: np.ndarray, pieces: int
+) -> tuple[np.ndarray, np.ndarray, Near | None]:
+    """Which of the cells (n,) are near bodies of several sheets, all their pairs, and what runs through them."""
+    plain = np.array([is_plain(shape) for shape in shapes])
+    counts = np.diff(cut.starts)[cells]
+    ends = np.append(0, np.cumsum(counts))
+    pairs = np.repeat(cut.starts[cells] - ends[:-1], counts) + np.arange(ends[-1])
+    several = np.logical_or.reduceat(~plain[cut.which[pairs]], ends[:-1]) if len(cells) else np.zeros(0, bool)
+    if not several.any():
+        return several, pairs, None
+    pairs, starts = pairs[np.repeat(several, counts)], np.append(0, np.cumsum(counts[several]))
+    return several, pairs, gather(block, shapes, cut.cells[cells[several]], starts, cut.which[pairs], pieces)
+
+
+def _rejoin_at_edges(
+    block: Block, shapes: Sequence[Shape], cut: CutPairs, cells: np.ndarray, removed: np.ndarray, pieces: int
+) -> None:
+    """Take back what was removed from cells (n,) whose open parts hang together around the edge of a body."""
+    chosen, _, near = _at_edges(block, shapes, cut, cells, pieces)
+    if near is not None:
+        cells = cells[chosen]
+        removed[cells[largest_pocket(block, shapes, near, removed[cells], pieces)[1]]] = 0
+
+
+def _agree(block: Block, cut: CutPairs, shapes: int) -> None:
+    """Give a face the share that its lower cell sees: the upper one may sum the same parts in another order."""
+    key = np.repeat(cut.numbers, np.diff(cut.starts)) * shapes + cut.which
+    at = np.repeat(cut.cells, np.diff(cut.starts), axis=0)
+    _, ny, nz = block.shape
+    for axis, step in enumerate((ny * nz, nz, 1)):
+        lower = np.flatnonzero(at[:, axis] < block.shape[axis] - 1)
+        upper = np.minimum(np.searchsorted(key, key[lower] + step * shapes), max(len(key) - 1, 0))
+        both = key[upper] == key[lower] + step * shapes
+        cut.covered[upper[both], 2 * axis] = cut.covered[lower[both], 2 * axis + 1]
 
 
 def at_nodes(
@@ -89,9 +170,18 @@ def at_nodes(
 
 
 def _divide(
-    block: Block, distances: list[Distance], cut: CutPairs, removed: np.ndarray, divided: np.ndarray, pieces: int
+    block: Block,
+    distances: list[Distance],
+    cut: CutPairs,
+    removed: np.ndarray,
+    whole: np.ndarray,
+    divided: np.ndarray,
+    pieces: int,
 ) -> float:
-    """Faces of the cells numbered `divided` in cut; returns the open volume [length3] that they lost."""
+    """Faces of the cells numbered `divided` in cut; returns the open volume [length3] that they lost.
+
+    whole (c,): their open shares without walls, nan where not known yet.
+    """
     counts = cut.starts[divided + 1] - cut.starts[divided]
     ends = np.append(0, np.cumsum(counts))
     pairs = np.repeat(cut.starts[divided] - ends[:-1], counts) + np.arange(ends[-1])
@@ -100,9 +190,10 @@ def _divide(
     beyond = np.stack([_across(block, cut, removed, cells, face) for face in range(6)], axis=1)
     close_divided_faces(ends, values, removed[divided], beyond, pieces, opened)
     cut.opened[divided] = opened
-    whole, alone = np.empty_like(opened), np.empty((len(pairs), 7))
-    cut_cells(ends, values, np.zeros(len(divided), np.int64), pieces, alone, whole)
-    return float(((whole[:, 6] - opened[:, 6]) * cell_volumes(block)[tuple(cells.T)]).sum())
+    undivided, alone = np.empty_like(opened), np.empty((len(pairs), 7))
+    cut_cells(ends, values, np.zeros(len(divided), np.int64), pieces, alone, undivided)
+    before = np.where(np.isnan(whole[divided]), undivided[:, 6], whole[divided])
+    return float(((before - opened[:, 6]) * cell_volumes(block)[tuple(cells.T)]).sum())
 
 
 def _across(block: Block, cut: CutPairs, removed: np.ndarray, cells: np.ndarray, face: int) -> np.ndarray:

@@ -94,7 +94,7 @@ def open_fractions(
         close_boxes(n.inside, *fields)
     V = fields[0]
     lists = [n.cells[V[tuple(n.cells.T + G)] > 0.0] for n in near]
-    pairs = cut_pairs(block, [shape.distance for shape in shapes], lists, pieces)
+    pairs = cut_pairs(block, [shape.distance for shape in shapes], lists, pieces, shapes=shapes)
     put_cells(pairs.cells, pairs.opened, *fields)
     inner = (slice(G, -G),) * 3
     before = V[inner].copy()

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from flowgmo.flow.cut_pairs import BATCH, at_nodes, cell_volumes
+from flowgmo.flow.cut_pairs import BATCH, cell_volumes
 from flowgmo.flow.fields import G, Open
 from flowgmo.flow.fractions import mirror_ghosts
-from flowgmo.flow.liquid_cells import fill_boxes, liquid_shares, shares_below
-from flowgmo.flow.near_surface import Shape, near_cells, pairs_of
+from flowgmo.flow.liquid_cells import OpenParts, fill_boxes, liquid_in_cells, near_bodies
+from flowgmo.flow.near_surface import Shape, near_cells
 from flowgmo.mesh import Block
 
 CLOSED = 4e-16  # of the bracket: where the search for a height ends, two units in the last place
@@ -83,22 +83,16 @@ def fill(block: Block, open_: Open, solids: Sequence[Shape], regions: Sequence[R
         found = near_cells(region.shape.distance, block.planes, region.shape.bounds())
         fill_boxes(found.inside, F, last, region.fraction if region.adds else 0.0, number)
         near.append(found.cells)
-    open_cells = [_open(cells, open_) for cells in near]
-    lists = [cells[last[tuple(cells.T + G)] < number] for number, cells in enumerate(open_cells)]
-    numbers, starts, which = pairs_of(lists, block.shape)
+    lists = [_open(cells, open_) for cells in near]
+    lists = [_numbers(block, cells[last[tuple(cells.T + G)] < number]) for number, cells in enumerate(lists)]
+    every = np.unique(np.concatenate([*lists, np.zeros(0, np.int64)]))
+    lists = [*_near_solids(block, solids, open_), *lists]
     fractions = np.array([r.fraction if r.adds else 0.0 for r in regions])
-    shapes = [r.shape.distance for r in regions]
-    near_solids = _near_solids(block, solids, open_)
-    for a in range(0, len(numbers), BATCH):
-        batch = numbers[a : a + BATCH]
-        ends = starts[a : a + BATCH + 1]
-        cells, part = _cells(block, batch), slice(ends[0], ends[-1])
-        values, _ = at_nodes(block, shapes, cells, ends, which[part], pieces, False)
-        at = tuple(cells.T + G)
-        out = np.empty(len(cells))
-        solid_starts, solid_values = _solid_values(block, solids, near_solids, batch, pieces)
-        liquid_shares(ends - ends[0], values, fractions[which[part]], F[at], solid_starts, solid_values, pieces, out)
-        F[at] = out
+    shapes = [*solids, *(r.shape for r in regions)]
+    for a in range(0, len(every), BATCH):
+        cells = _cells(block, every[a : a + BATCH])
+        here, at = near_bodies(block, shapes, cells, lists, pieces), tuple(cells.T + G)
+        F[at] = liquid_in_cells(block, shapes, here, len(solids), fractions, F[at], pieces)
     if open_.V is not None:
         F[open_.V == 0.0] = 0.0
     mirror_ghosts(F, -1)
@@ -121,15 +115,14 @@ def level_of_volume(
     between = (bottom < high) & (top > low) & (room > 0.0)
     cells = np.argwhere(between)
     below = room[(top <= low)].sum()
-    corner = np.column_stack([x[cells[:, k]] for k, x in enumerate(block.planes)])
-    size = np.column_stack([np.diff(x)[cells[:, k]] for k, x in enumerate(block.planes)])
-    numbers = np.ravel_multi_index(cells.T, block.shape)
-    starts, values = _solid_values(block, solids, _near_solids(block, solids, open_), numbers, pieces)
-    F, amount = np.empty(len(cells)), room[between]
+    numbers = _numbers(block, cells)
+    lists = _near_solids(block, solids, open_)
+    rows = np.flatnonzero(np.isin(numbers, np.concatenate([*lists, np.zeros(0, np.int64)])))
+    near = near_bodies(block, solids, cells[rows], lists, pieces)
+    parts, amount = OpenParts.of(block, solids, cells, rows, near, pieces), room[between]
 
     def missing(t: float) -> float:
-        shares_below(corner, size, up, low + t * (high - low), starts, values, pieces, F)
-        return (below + (F * amount).sum() - volume) / total
+        return (below + (parts.below(up, low + t * (high - low)) * amount).sum() - volume) / total
 
     t = brentq(missing, 0.0, 1.0, xtol=CLOSED, rtol=CLOSED * 4) if missing(0.0) < 0.0 < missing(1.0) else None
     if t is None:
@@ -166,6 +159,10 @@ def _cells(block: Block, numbers: np.ndarray) -> np.ndarray:
     return np.column_stack(np.unravel_index(numbers, block.shape)).astype(np.int32)
 
 
+def _numbers(block: Block, cells: np.ndarray) -> np.ndarray:
+    return np.ravel_multi_index(cells.T.astype(np.int64), block.shape)
+
+
 def _open(cells: np.ndarray, open_: Open) -> np.ndarray:
     """Those of the cells (n, 3) that are not closed."""
     return cells if open_.V is None else cells[open_.V[tuple(cells.T + G)] > 0.0]
@@ -174,18 +171,4 @@ def _open(cells: np.ndarray, open_: Open) -> np.ndarray:
 def _near_solids(block: Block, solids: Sequence[Shape], open_: Open) -> list[np.ndarray]:
     """Numbers of the open cells near each solid."""
     near = [_open(near_cells(s.distance, block.planes, s.bounds()).cells, open_) for s in solids]
-    return [np.ravel_multi_index(cells.T.astype(np.int64), block.shape) for cells in near]
-
-
-def _solid_values(
-    block: Block, solids: Sequence[Shape], near: list[np.ndarray], numbers: np.ndarray, pieces: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """First pair of each of the cells `numbers` (ascending) and one past the last, and distances of solids near them at
-    their nodes (q, nodes)."""
-    lists = [_cells(block, np.intersect1d(numbers, n, assume_unique=True)) for n in near]
-    which_cells, starts, which = pairs_of(lists, block.shape)
-    counts = np.zeros(len(numbers) + 1, np.int64)
-    counts[np.searchsorted(numbers, which_cells) + 1] = np.diff(starts)
-    distances = [s.distance for s in solids]
-    values, _ = at_nodes(block, distances, _cells(block, which_cells), starts, which, pieces, False)
-    return np.cumsum(counts), values
+    return [_numbers(block, cells) for cells in near]

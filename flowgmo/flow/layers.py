@@ -25,6 +25,27 @@ def copy_layer(a, d, to, source, factor):
 
 
 @kernel
+def copy_layer_where_dry(a, d, to, source, F, beside, least):
+    """Layer `to` becomes layer `source` in lines along d on which F <= least in layer `beside`."""
+    nx, ny, nz = a.shape
+    if d == 0:
+        for j in range(ny):
+            for k in range(nz):
+                if F[beside, j, k] <= least:
+                    a[to, j, k] = a[source, j, k]
+    elif d == 1:
+        for i in range(nx):
+            for k in range(nz):
+                if F[i, beside, k] <= least:
+                    a[i, to, k] = a[i, source, k]
+    else:
+        for i in range(nx):
+            for j in range(ny):
+                if F[i, j, beside] <= least:
+                    a[i, j, to] = a[i, j, source]
+
+
+@kernel
 def set_layer(a, d, to, value):
     """Layer `to` along direction d becomes a number, ghosts included."""
     nx, ny, nz = a.shape

@@ -38,24 +38,28 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
         if a is not None:
             run(fill, liquid.about, 0.0, a)
     add = liquid.momentum.add_accelerations
+    liquid.sides.loosen(old, flow.F, DUST)
     add(liquid.faces, old, flow.F, liquid.acceleration, dt)
-    _advance(liquid, old, 1.0, dt, new)
+    if flow.F is not None:
+        liquid.sides.tighten(old)
+    _advance(liquid, old, flow.F, 1.0, dt, new)
     if liquid.plan.order == 1:
         liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
         return
     push_by_last_pressure(liquid.projector, flow.p, dt, new)
     _continue(liquid, flow, new)
+    liquid.sides.loosen(new, flow.F, DUST)
     add(liquid.faces, new, flow.F, liquid.acceleration, dt)
-    _advance(liquid, old, 0.5, dt, new)
+    _advance(liquid, old, flow.F, 0.5, dt, new)
     liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
 
 
-def _advance(liquid: Liquid, old: list, share: float, dt: float, new: list) -> None:
+def _advance(liquid: Liquid, old: list, F: np.ndarray | None, share: float, dt: float, new: list) -> None:
     """new = old + share dt a, with what the sides give."""
     for d, (a, u, out) in enumerate(zip(liquid.acceleration, old, new, strict=True)):
         if a is not None:
             liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], u, a, share * dt, out)
-    liquid.sides.let_out(old, new, dt)
+    liquid.sides.let_out(old, new, dt, F)
     liquid.sides.fill_velocity(new)
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from flowgmo.geometry.moments import MassProperties
 from flowgmo.geometry.piece import ROLES, Piece
 from flowgmo.geometry.primitives import Ball, Box, Mesh
 from flowgmo.geometry.recognise import recognise
+from flowgmo.geometry.sheets import Sheets, sheets_of
 from flowgmo.geometry.solid import Solid
 from flowgmo.geometry.transform import Affine, Transform
 from flowgmo.geometry.triangulate import triangles
@@ -85,6 +87,11 @@ class Component:
             better = new > d if role == "hole" else new < d
             d, which, sign = np.where(better, new, d), np.where(better, k, which), np.where(better, outward, sign)
         return d, which, sign
+
+    @cached_property
+    def sheets(self) -> Sheets:
+        """The smooth surfaces that its faces are parts of."""
+        return sheets_of(self)
 
     def owner(self, x: np.ndarray) -> np.ndarray:
         """Number (n,) of the piece that fills points (n,3), the later one where two overlap; -1 outside the body."""

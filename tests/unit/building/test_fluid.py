@@ -17,7 +17,7 @@ def test_defaults(build):
     assert not (fluid.free_surface or fluid.no_slip or fluid.implicit_viscosity) and fluid.tracking is None
     assert fluid.steps == StepPlan(adapt=1, courant=0.45, surface_courant=1.0, growth=1.2)
     assert fluid.pressure == PressurePlan(tolerance=1.0, most_iterations=100, plain_sor=False)
-    assert fluid.clean_up == CleanUp(snap=1e-4, smallest_volume=0.05, sliver=3.1)
+    assert fluid.clean_up == CleanUp(snap=1e-4, smallest_volume=0.05, sliver=None)
     assert fluid.void_pressure == 0.0 and fluid.planes == fluid.loads == ()
     assert fluid.start.height is fluid.start.volume is None and fluid.start.regions == ()
     assert fluid.start.velocity.tolist() == [0, 0, 0] and not fluid.start.hydrostatic
@@ -31,13 +31,14 @@ def test_every_line(build):
     )
     props = "rhof=998.2, mu1=1e-3, rcsql=1e-9, pvoid=0.".replace(", pvoid=0.", ",")
     limits = "eps=1e-3, vfclean=.1, itmax=70"
-    model = build(wet(xput=xput, props=props, limits=limits, obs="avrck=-2.,"))
+    model = build(wet(xput=xput, props=props, limits=limits, obs="iavrck=1, avrck=-2.,"))
     fluid = model.fluid
     assert (fluid.rho, fluid.mu, fluid.compressibility, fluid.order) == (998.2, 1e-3, 1e-9, 1)
     assert fluid.free_surface and fluid.implicit_viscosity and not fluid.no_slip and fluid.tracking == "donor"
     assert fluid.steps == StepPlan(adapt=2, courant=0.3, surface_courant=0.7, growth=1.2)
     assert fluid.pressure == PressurePlan(tolerance=0.1, most_iterations=70, plain_sor=True)
     assert fluid.clean_up == CleanUp(snap=1e-3, smallest_volume=0.1, sliver=2.0)
+    assert any("iavrck=1: slivers get more volume" in notice for notice in model.notices)
     assert fluid.start.hydrostatic and fluid.start.height == 0.5
     assert (model.clock.dt, model.clock.dt_min, model.clock.dt_max.spacing.tolist()) == (1e-3, 1e-7, [5e-3])
 
@@ -47,9 +48,10 @@ def test_off_is_absent(build):
     model = build(wet(xput=FREE + "ifvisc=1, impvis=1,"))
     assert model.fluid.mu is None and not model.fluid.no_slip and not model.fluid.implicit_viscosity
     assert any("ifvisc=1: the viscosity is zero" in notice for notice in model.notices)
-    model = build(wet(props="rhof=1., mu1=2., rcsql=0.,", obs="iavrck=0,"))
+    model = build(wet(props="rhof=1., mu1=2., rcsql=0.,", obs="avrck=-3.1,"))
     assert model.fluid.mu is None and model.fluid.compressibility is None and model.fluid.clean_up.sliver is None
     assert any("ifvisc=0 switches viscosity off" in notice for notice in model.notices)
+    assert any("slivers keep their volume" in notice for notice in model.notices)
     assert build(wet(props="", fl="")).fluid is None
 
 

@@ -11,7 +11,11 @@ if HELPERS not in sys.path:
     sys.path.insert(0, HELPERS)
 
 from flow_solids import INNER, HalfSpace, ball, box, graded_block  # noqa: E402
+from flowgmo_wet import wet  # noqa: E402
 
+from flowgmo.building import build_model  # noqa: E402
+from flowgmo.deck import parse_deck  # noqa: E402
+from flowgmo.flow.build import build_liquid  # noqa: E402
 from flowgmo.flow.clean_up import close_slivers  # noqa: E402
 from flowgmo.flow.cut_pairs import cell_volumes  # noqa: E402
 from flowgmo.flow.fractions import open_fractions  # noqa: E402
@@ -93,3 +97,16 @@ def test_a_sliver_along_a_wall():
     assert len(s.cells) == 110
     assert (s.cells[:, 2] == 6).all()
     np.testing.assert_array_equal(s.faces, np.tile([0, 0, 0, 0, 1.0, 0], (110, 1)))
+
+
+def test_the_deck_raises_volumes():
+    """IAVRCK=1, AVRCK=-3.1 reaches the mesh: V >= largest A / 3.1 there; without, thinner slivers stay."""
+    obs = "nobs=1, iob(1)=1, xh(1)=.6, zh(1)=.705, roty(1)=3.,"
+    least = []
+    for more in ("", "avrck=-3.1,", "iavrck=1, avrck=-3.1,"):
+        model = build_model(parse_deck(wet(obs=obs + more, fl="flht=1.2,"), Path("t.nml")))
+        V, Ax, Ay, Az = (a[INNER] for a in build_liquid(model, 1).openings)
+        largest = np.max([Ax, Ay, Az], axis=0)
+        least.append((V[V > 0] / largest[V > 0]).min())
+    assert least[0] == least[1] < 0.2
+    assert least[2] >= (1 - 1e-12) / 3.1
