@@ -5,7 +5,8 @@ A face belongs to one of
     held         the projection found it (b > 0)
     closed       it is, or lies on a side of the domain (flow/boundary.py): nothing is taken from it
     continued    a neighbour (of the 26) is held: the mean of the held ones, weighted by 1 / distance2 in cells
-    free         no neighbour is held, but liquid touches the face: it flies, and keeps the predicted velocity
+    free         no neighbour is held, but liquid touches the face: it flies with the predicted velocity, but not into a
+                 closed face on the other side of its cell: a film lies on the floor, and does not fall
     beyond       neighbours are continued or free: their mean
     none         0
 
@@ -81,6 +82,28 @@ def continue_faces(columns, first, last, source, value, mark):
                 value[i, j, k] = 0.0
 
 
+@flow_kernel
+def rest_films(columns, first, last, F, step, periodic, least, value, mark):
+    """Free faces between a film and air do not move towards the closed face (of velocity 0) that the film lies on."""
+    p, q, r = step
+    n = value.shape[0] * p + value.shape[1] * q + value.shape[2] * r
+    for c in range(first, last):
+        i = np.int64(columns[c, 0])
+        j = np.int64(columns[c, 1])
+        for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
+            if mark[i, j, k] != FREE:
+                continue
+            low = F[i, j, k] > least
+            if low == (F[i + p, j + q, k + r] > least):
+                continue  # liquid on both sides
+            s = np.int64(-1 if low else 1)
+            e, f, g = i + s * p, j + s * q, k + s * r  # the other face of the film's cell
+            at = e * p + f * q + g * r
+            on_side = not periodic and (at == G - 1 or at == n - G - 1)
+            if (mark[e, f, g] == CLOSED or on_side) and value[e, f, g] == 0.0:
+                value[i, j, k] = max(value[i, j, k], 0.0) if low else min(value[i, j, k], 0.0)
+
+
 def continue_velocity(team, columns, b, A, F, value, direction, periodic, least, mark) -> None:
     """Give every open face of the columns' cells a velocity along `direction` (0, 1, 2), see above.
 
@@ -91,5 +114,6 @@ def continue_velocity(team, columns, b, A, F, value, direction, periodic, least,
     step = (int(direction == 0), int(direction == 1), np.uint64(direction == 2))
     side = -1 if periodic else value.shape[direction] - G - 1
     team.run(mark_faces, columns, b, A, F, step, np.int64(side), least, mark)
-    for source in (HELD, FREE):
-        team.run(continue_faces, columns, np.int64(source), value, mark)
+    team.run(continue_faces, columns, np.int64(HELD), value, mark)
+    team.run(rest_films, columns, F, tuple(int(n) for n in step), periodic, least, value, mark)
+    team.run(continue_faces, columns, np.int64(FREE), value, mark)

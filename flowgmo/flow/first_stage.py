@@ -57,6 +57,7 @@ def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet
 def push_by_last_pressure(projector: Projector, p: np.ndarray, dt: float, velocity: list) -> None:
     """velocity -= dt grad p / rho, p [mass/length/time2] of the last step, with the present surface and sides."""
     m = projector.matrix
+    projector.ease_gravity(velocity, dt)
     projector.team.run(scale_liquid, m.faces, p, dt / projector.rho, projector.wet, projector.q)
     projector.sides.fill_pressure(projector.q, dt, velocity)
     for d, u in enumerate(velocity):

@@ -20,7 +20,6 @@ from flowgmo.flow.projection import Projector
 from flowgmo.flow.surface_tracking import tracking_of
 from flowgmo.flow.tally import Tally
 from flowgmo.flow.team import Team
-from flowgmo.flow.thin_cells import find_thin_faces
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate, surface_limit
 from flowgmo.flow_plan import FluidPlan
 
@@ -46,10 +45,8 @@ class Liquid:
         self.team = Team(threads)
         self.shape = tuple(len(d) for d in grid[:3])
         self.present = tuple(n > 1 + 2 * G for n in self.shape)
-        thin = find_thin_faces(openings)
-        self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team, thin)
-        plain = plan.pressure.plain_sor
-        self.projector = Projector(grid, openings, sides, self.team, plan.rho, thin=thin, plain=plain)
+        self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
+        self.projector = Projector(grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor)
         self.acceleration = self._per_direction()
         self.predicted = self._per_direction()
         self.p = np.zeros(self.shape)

@@ -16,7 +16,6 @@ from flowgmo.flow.fields import Grid, Open
 from flowgmo.flow.implicit_viscosity import add_implicit_viscosity
 from flowgmo.flow.prediction import add
 from flowgmo.flow.team import Team
-from flowgmo.flow.thin_cells import ThinFaces, add_rest
 from flowgmo.flow.viscosity import add_viscosity, make_viscosity, viscous_limit
 from flowgmo.flow.wall_shear import find_side_walls
 from flowgmo.flow_plan import FluidPlan
@@ -27,18 +26,10 @@ class Momentum:
     """The terms of one scene, with their factors on the mesh."""
 
     def __init__(
-        self,
-        plan: FluidPlan,
-        grid: Grid,
-        openings: Open,
-        sides: Sides,
-        gravity: np.ndarray,
-        present: tuple,
-        team: Team,
-        thin: tuple[ThinFaces | None, ...] = (None, None, None),
+        self, plan: FluidPlan, grid: Grid, openings: Open, sides: Sides, gravity: np.ndarray, present: tuple, team: Team
     ) -> None:
         self.grid, self.openings, self.sides, self.team = grid, openings, sides, team
-        self.gravity, self.thin = gravity, thin
+        self.gravity = gravity
         self.schemes = make_schemes(grid, plan.order)
         shape = tuple(len(d) for d in grid[:3])
         self.cut = find_cut_faces(all_columns(shape), openings)
@@ -64,20 +55,14 @@ class Momentum:
         self, columns: np.ndarray, velocity: list, F: np.ndarray | None, acceleration: list, dt: float
     ) -> None:
         """Add them on the upper faces of the columns' cells. Ghosts of velocity are filled."""
-        self.add_gravity(columns, acceleration)
+        for a, g in zip(acceleration, self.gravity, strict=True):
+            if a is not None and g != 0.0:
+                self.team.run(add, columns, float(g), a)
         add_advection(
             self.team, columns, self.schemes, self.openings, self.cut, tuple(velocity), F, tuple(acceleration)
         )
         if self.operators is not None and not self.implicit:
             add_viscosity(self.team, columns, self.operators, tuple(velocity), F, tuple(acceleration), self.nu, dt)
-
-    def add_gravity(self, columns: np.ndarray, acceleration: list, factor: float = 1.0) -> None:
-        """Add factor g on the upper faces of the columns' cells, more where a thin cell makes the liquid light."""
-        for a, g, thin in zip(acceleration, self.gravity, self.thin, strict=True):
-            if a is not None and g != 0.0:
-                self.team.run(add, columns, factor * float(g), a)
-                if thin is not None:
-                    self.team.run(add_rest, *thin, factor * float(g), a)
 
     def diffuse(self, columns: np.ndarray, velocity: list, F: np.ndarray | None, dt: float) -> None:
         """Implicit viscosity: change the predicted velocity, ghosts filled before. Raises StepTooLong."""

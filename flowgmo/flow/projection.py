@@ -26,7 +26,7 @@ from flowgmo.flow.sealed import Sealed
 from flowgmo.flow.surface_distance import mark_liquid
 from flowgmo.flow.surface_normals import steps_of
 from flowgmo.flow.team import Team
-from flowgmo.flow.thin_cells import ThinFaces, multiply
+from flowgmo.flow.thin_cells import add_rest, find_thin_faces, multiply
 from flowgmo.kernel import flow_kernel
 from flowgmo.mesh import PRESSURE
 
@@ -136,7 +136,6 @@ class Projector:
         team: Team,
         rho: float,
         *,
-        thin: tuple[ThinFaces | None, ...] = (None, None, None),
         plain: bool = False,
     ) -> None:
         self.grid, self.openings, self.sides, self.team, self.rho = grid, openings, sides, team, rho
@@ -155,7 +154,7 @@ class Projector:
         )
         self.wet = np.zeros(shape, np.int8)
         self.steps = steps_of(grid)
-        self.thin = thin
+        self.thin = find_thin_faces(openings)
         self.every = all_columns(shape)
         held = tuple(plan.kind == PRESSURE for plan in sides.plans)
         self.sealed = Sealed(openings, shape, held, sides.periodic)
@@ -217,17 +216,25 @@ class Projector:
         run, m = self.team.run, self.matrix
         run(scale_liquid, m.faces, p, dt / self.rho, self.wet, self.q)
         self.sides.fill_pressure(self.q, dt, velocity)
+        self.ease_gravity(velocity, dt)
         run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, dt, self.right)
         volume = float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
         self.sealed.balance(m.columns, self.wet, self.right, tolerance / dt * volume)
         solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most)
         if not solved.converged:
+            self.ease_gravity(velocity, -dt)
             return solved
         self.sides.join(self.q)
         self.push(velocity)
         p.fill(0.0)
         run(scale_into, m.columns, self.q, self.rho / dt, p)
         return solved
+
+    def ease_gravity(self, velocity: list, dt: float) -> None:
+        """What gravity gives the faces of thin cells more than others, where the pressure acts on them."""
+        for u, b, g, thin in zip(velocity, self.matrix.b, self.sides.gravity, self.thin, strict=True):
+            if u is not None and thin is not None and g != 0.0:
+                self.team.run(add_rest, *thin, dt * float(g), b, u)
 
     def push(self, velocity: list) -> None:
         """velocity -= grad q on all faces that the pressure acts on, those of sides included."""

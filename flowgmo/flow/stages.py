@@ -12,7 +12,6 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.errors import StepFailed, StepTooLong
-from flowgmo.flow.columns import all_columns
 from flowgmo.flow.conjugate_gradients import Solved
 from flowgmo.flow.extrapolation import continue_velocity
 from flowgmo.flow.fields import Flow
@@ -113,10 +112,11 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
 def settle_pressure(liquid: Liquid, flow: Flow, dt: float) -> None:
     """flow.p becomes the pressure that holds the liquid at rest in gravity: hydrostatic under a level surface."""
     at_rest = [None if a is None else np.zeros_like(a) for a in flow.velocity]
-    liquid.momentum.add_gravity(all_columns(liquid.shape), at_rest, dt)
-    for a, A in zip(at_rest, liquid.openings[1:], strict=True):
-        if a is not None and A is not None:
-            a[A == 0.0] = 0.0
+    for a, g, A in zip(at_rest, liquid.gravity, liquid.openings[1:], strict=True):
+        if a is not None:
+            a[...] = g * dt
+            if A is not None:
+                a[A == 0.0] = 0.0
     liquid.sides.set_time(0.0)
     liquid.sides.fill_velocity(at_rest)
     liquid.projector.set_surface(flow.F)

@@ -69,7 +69,9 @@ def multiply(columns, first, last, ease, b):
 
 
 @flow_kernel
-def add_rest(columns, first, last, ease, g, a):
-    """a += (ease - 1) g: what makes g to ease g."""
+def add_rest(columns, first, last, ease, g, b, u):
+    """u += (ease - 1) g where the pressure acts (b > 0): it holds what gravity pulls."""
     for c in range(first, last):
-        a[columns[c, 0], columns[c, 1], columns[c, 2]] += (ease[c] - 1.0) * g
+        i, j, k = columns[c, 0], columns[c, 1], columns[c, 2]
+        if b[i, j, k] > 0.0:
+            u[i, j, k] += (ease[c] - 1.0) * g
