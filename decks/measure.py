@@ -19,7 +19,8 @@ sys.path.insert(0, str(DECKS))  # the tests load this file by its path
 
 from curves import Curves, body_axes, drift, energy_added, first_hit  # noqa: E402
 from measure_hard import hard  # noqa: E402
-from measure_wet import cavity, dam_break, martin_moyce, sloshing, still_water, wall_impact  # noqa: E402
+from measure_viscous import cavity, cylinder, poiseuille  # noqa: E402
+from measure_wet import dam_break, martin_moyce, ritter, sloshing, still_water, wall_impact  # noqa: E402
 
 
 def central(curves: Curves, deck: str) -> dict[str, float]:
@@ -187,7 +188,8 @@ def rocking(curves: Curves) -> dict[str, float]:
 
 
 _ALL = (central, anvil, top, pendulum, piston, billiards, chain, plane, rack, pool, domino, stack, incline, hard)
-WET = {case.__name__: case for case in (dam_break, still_water, cavity, sloshing, martin_moyce, wall_impact)}
+_FREE = (dam_break, still_water, sloshing, martin_moyce, wall_impact, ritter)
+WET = {case.__name__: case for case in (*_FREE, cavity, poiseuille, cylinder)}
 CASES = {case.__name__: case for case in _ALL}
 
 

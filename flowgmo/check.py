@@ -8,7 +8,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
-from flowgmo.flow_plan import FluidPlan, LiquidStart, SidePlan, mesh_bytes
+from flowgmo.flow_plan import FluidPlan, LiquidStart, SidePlan, mesh_bytes, speed_in_sight
 from flowgmo.mesh import SIDE_NAMES
 from flowgmo.model import Model
 from flowgmo.output import log_tables as tables
@@ -61,18 +61,11 @@ def _wet_cost(model: Model, fluid: FluidPlan, memory: float, rows: int) -> str:
 
 
 def _expected_step(model: Model, fluid: FluidPlan) -> float:
-    """A guess of the steps' length: the Courant number in the smallest cell at the largest speed that is in sight.
-
-    That is a speed that the deck gives, of a fall through the domain, or of an outflow under the pressures given.
-    """
+    """A guess of the steps' length: the Courant number in the smallest cell at the largest speed that is in sight."""
     shape, planes = model.mesh.blocks[0].shape, model.mesh.blocks[0].planes
     size = min(float(np.diff(x).min()) for x, n in zip(planes, shape, strict=True) if n > 1)
-    given = [fluid.start.velocity, *(region.velocity for region in fluid.start.regions)]
-    given += [row for side in fluid.sides if side.velocity is not None for row in side.velocity]
-    fall = float(np.abs(model.gravity) @ np.ptp(model.mesh.bounds, axis=0)) if fluid.free_surface else 0.0
-    pressures = [0.0] * fluid.free_surface + [p for s in fluid.sides if s.pressure is not None for p in s.pressure]
-    push = (max(pressures) - min(pressures)) / fluid.rho if pressures else 0.0
-    speed = max(max(float(np.linalg.norm(v)) for v in given), math.sqrt(2.0 * fall), math.sqrt(2.0 * push))
+    gravity = model.gravity if fluid.free_surface else np.zeros(3)
+    speed = speed_in_sight(fluid, gravity, np.ptp(model.mesh.bounds, axis=0))
     largest = min(float(model.clock.dt_max.spacing.max()), model.clock.end)
     step = min(fluid.steps.courant * size / speed, largest) if speed > 0.0 else model.clock.dt
     return max(step, model.clock.dt_min)

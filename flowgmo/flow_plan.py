@@ -196,6 +196,17 @@ class FluidPlan:
     loads: tuple[LoadPlan, ...]
 
 
+def speed_in_sight(fluid: FluidPlan, gravity: np.ndarray, extent: np.ndarray) -> float:
+    """The largest speed [length/time] that the deck names: given, of a fall through the domain, or of an outflow under
+    the pressures given. gravity (3,) [length/time2], extent (3,) of the domain [length]."""
+    given = [fluid.start.velocity, *(region.velocity for region in fluid.start.regions)]
+    given += [row for side in fluid.sides if side.velocity is not None for row in side.velocity]
+    fall = float(np.abs(gravity) @ extent)
+    pressures = [0.0] * fluid.free_surface + [p for s in fluid.sides if s.pressure is not None for p in s.pressure]
+    push = (max(pressures) - min(pressures)) / fluid.rho if pressures else 0.0
+    return max(max(float(np.linalg.norm(v)) for v in given), np.sqrt(2.0 * fall), np.sqrt(2.0 * push))
+
+
 def mesh_bytes(block: Block) -> int:
     """Bytes that the arrays of mesh size of a block need at most, ghosts included."""
     nx, ny, nz = (n + 2 * GHOST_LAYERS for n in block.shape)

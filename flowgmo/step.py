@@ -64,9 +64,12 @@ def prepare(model: Model) -> World:
     before, after, liquid = _flow_stages(model)
     watch = None
     if liquid is not None:
+        from flowgmo.flow.shear_of_solids import shear_of_solids
         from flowgmo.flow.watch import watch_of
 
-        watch = watch_of(model, liquid, liquid.walls, {})
+        (block,) = model.mesh.blocks
+        shear = shear_of_solids(liquid, block.planes) if model.fluid.loads else {}
+        watch = watch_of(model, liquid, liquid.walls, shear)
     return World(
         model=model,
         arrays=arrays,

@@ -22,7 +22,9 @@ def liquid_panels(results: Results) -> list[Panel]:
         _gauges(results, "planes", "flow", "Flow through the planes", "flow"),
         _forces(results),
     ]
-    return [panel for panel in (*gauges, _energy(results), _volume(results)) if panel is not None]
+    full = "fluid/volume_error" not in results.file  # no surface: the volume is that of the space
+    volume = None if full else _volume(results)
+    return [panel for panel in (*gauges, _energy(results), volume) if panel is not None]
 
 
 def _gauges(results: Results, group: str, name: str, title: str, quantity: str) -> Panel | None:
@@ -60,12 +62,15 @@ def _forces(results: Results) -> Panel | None:
 
 
 def _energy(results: Results) -> Panel:
-    """Kinetic energy, potential energy from its start, and their sum."""
+    """Kinetic energy; where it changes potential energy from its start, and their sum."""
     kinetic, potential = (results.curve(f"fluid/{name}_energy") for name in ("kinetic", "potential"))
     change = potential.y[:, 0] - potential.y[0, 0]
     rows = min(len(kinetic.y), len(change))
+    moving = Line("kinetic", kinetic.t, kinetic.y[:, 0], COLOURS[0], kinetic.name)
+    if not change.any():
+        return Panel("Kinetic energy of the liquid", "energy", kinetic.unit, (moving,), False, "")
     lines = (
-        Line("kinetic", kinetic.t, kinetic.y[:, 0], COLOURS[0], kinetic.name),
+        moving,
         Line("potential", potential.t, change, COLOURS[1], potential.name),
         Line("sum", kinetic.t[:rows], kinetic.y[:rows, 0] + change[:rows], INK, "fluid/energy"),
     )
@@ -81,10 +86,8 @@ def _volume(results: Results) -> Panel:
         c = results.curve(f"boundaries/{side}/volume")
         if c.y.any():
             lines.append(Line(f"in through {side}", c.t, c.y[:, 0], COLOURS[1 + k], c.name))
-    note = ""
-    if "fluid/volume_error" in results.file:
-        error = np.abs(results.curve("fluid/volume_error").y).max(initial=0.0)
-        note = f"Volume: the books close but for {error:.0e}" if error else "Volume: the books close exactly"
+    error = np.abs(results.curve("fluid/volume_error").y).max(initial=0.0)
+    note = f"Volume: the books close but for {error:.0e}" if error else "Volume: the books close exactly"
     return Panel("Volume of the liquid", "volume", volume.unit, tuple(lines), False, note)
 
 

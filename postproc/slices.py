@@ -1,7 +1,7 @@
 """A slice through the liquid: fraction, pressure and speed in the cells of one plane, from fields.h5.
 
-Cells are drawn as they are, without smoothing. Solids are grey; beside them, and in the cells that they cut, the lines
-of the mesh are drawn, so that one sees how fine it is where it matters.
+No fraction where there is no surface. Cells are drawn as they are, without smoothing. Solids are grey; beside them, and
+in the cells that they cut, the lines of the mesh are drawn, so that one sees how fine it is where it matters.
 """
 
 from __future__ import annotations
@@ -26,15 +26,18 @@ WATERS = LinearSegmentedColormap.from_list("water", ("#ffffff", WATER))
 WIDTH, TALLEST, BROAD = 9.0, 4.5, 3.6  # inches: of the figure; of one slice, its height, its width beside others
 LONG = 1.8  # width over height from which on slices lie above each other
 BESIDE = 1.7  # inches beside a slice, for numbers and the scale of colours
+LEAST = 1.1  # inches: a slice that would be flatter is drawn higher than it is, room for the words beside it
 
 
 @dataclass(frozen=True)
 class Slice:
-    """Planes (n + 1,), (m + 1,) of the two directions and values (n, m) of the cells; V None without solids."""
+    """Planes (n + 1,), (m + 1,) of the two directions and values (n, m) of the cells.
+
+    F is None without a surface, V without solids."""
 
     names: str
     planes: tuple[np.ndarray, np.ndarray]
-    F: np.ndarray
+    F: np.ndarray | None
     p: np.ndarray
     speed: np.ndarray
     V: np.ndarray | None
@@ -70,7 +73,7 @@ class Fields:
         layer = (slice(None),) * axis + (n,)
         others = [d for d in range(3) if d != axis]
         p = group["p"][layer]
-        F = group["F"][layer] if "F" in group else np.ones(p.shape)
+        F = group["F"][layer] if "F" in group else None
         V = self.file["V"][layer] if "V" in self.file else None
         speed = np.linalg.norm(group["velocity"][layer], axis=-1)
         return Slice("".join("xyz"[d] for d in others), tuple(planes[d] for d in others), F, p, speed, V)
@@ -103,12 +106,15 @@ def draw_slice(folder: Path, path: Path, t: float | None, axis: int | None, posi
 
 def _draw_panels(figure: plt.Figure, axes: np.ndarray, cut: Slice, group: h5py.Group) -> None:
     """Fraction, pressure, and speed; the last two where there is liquid."""
-    wet = cut.F > SHOWN if cut.V is None else (cut.F > SHOWN) & (cut.V > 0)
+    wet = np.ones(cut.p.shape, bool) if cut.F is None else cut.F > SHOWN
+    if cut.V is not None:
+        wet &= cut.V > 0
     p, speed = (np.where(wet, values, np.nan) for values in (cut.p, cut.speed))
     fastest = float(cut.speed[wet].max(initial=0.0)) or 1.0
-    _panel(figure, axes[0], cut, cut.F, "Liquid fraction", WATERS, (0.0, 1.0))
-    _panel(figure, axes[1], cut, p, _label(group, "p", "pressure"), "viridis", _limits(p))
-    _panel(figure, axes[2], cut, speed, _label(group, "velocity", "speed"), "viridis", (0.0, fastest))
+    if cut.F is not None:
+        _panel(figure, axes[0], cut, cut.F, "Liquid fraction", WATERS, (0.0, 1.0))
+    _panel(figure, axes[-2], cut, p, _label(group, "p", "pressure"), "viridis", _limits(p))
+    _panel(figure, axes[-1], cut, speed, _label(group, "velocity", "speed"), "viridis", (0.0, fastest))
 
 
 def _label(group: h5py.Group, name: str, word: str) -> str:
@@ -116,16 +122,22 @@ def _label(group: h5py.Group, name: str, word: str) -> str:
 
 
 def _figure(cut: Slice) -> tuple[plt.Figure, np.ndarray]:
-    """Three panels above each other where the slice is a long one, else beside each other."""
+    """Panels above each other where the slice is a long one, else beside each other."""
     wide, high = (float(np.ptp(p)) for p in cut.planes)
+    n = 2 if cut.F is None else 3
     if wide > LONG * high:
-        tall = min(TALLEST, (WIDTH - BESIDE) * high / wide)
-        size, shape = (WIDTH, 0.9 + 3 * (tall + 0.3)), (3, 1)
+        tall = max(min(TALLEST, _true_height(wide, high)), LEAST)
+        size, shape = (WIDTH, 0.9 + n * (tall + 0.3)), (n, 1)
     else:
         tall = min(TALLEST, BROAD * high / wide)
-        size, shape = (3 * (tall * wide / high + BESIDE), tall + 1.1), (1, 3)
+        size, shape = (n * (tall * wide / high + BESIDE), tall + 1.1), (1, n)
     figure, axes = plt.subplots(*shape, figsize=size, layout="constrained", sharex=shape[1] == 1, sharey=shape[0] == 1)
     return figure, axes.ravel()
+
+
+def _true_height(wide: float, high: float) -> float:
+    """Inches, of a long slice as wide as the figure lets it be."""
+    return (WIDTH - BESIDE) * high / wide
 
 
 def _panel(
@@ -143,7 +155,8 @@ def _panel(
         axes.pcolormesh(*cut.planes, solid.T, cmap=LinearSegmentedColormap.from_list("solid", (SOLID, SOLID)))
         axes.add_collection(LineCollection(_lines(cut), colors=LINE, linewidths=0.35))
     figure.colorbar(image, ax=axes, label=name, pad=0.015, aspect=14)
-    axes.set_aspect("equal")
+    flat = _true_height(*(float(np.ptp(p)) for p in cut.planes)) < LEAST
+    axes.set_aspect("auto" if flat else "equal")
     axes.grid(False)
     axes.tick_params(colors=INK, labelsize=9)
 

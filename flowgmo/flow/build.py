@@ -13,6 +13,7 @@ from flowgmo.flow.initial_liquid import Region, initial_liquid
 from flowgmo.flow.liquid import DUST, Liquid, default_threads
 from flowgmo.flow.measures import total
 from flowgmo.flow.stages import settle_pressure
+from flowgmo.mesh import PERIODIC
 from flowgmo.model import Model
 
 
@@ -44,9 +45,23 @@ def _solids(model: Model) -> Solids:
     clean_up = model.fluid.clean_up
     least, lone = clean_up.snap, clean_up.smallest_volume
     try:
-        return open_fractions(block, shapes, least=least, lone=lone, area_ratio=clean_up.sliver)
+        solids = open_fractions(block, shapes, least=least, lone=lone, area_ratio=clean_up.sliver)
     except ValueError as error:
         raise FlowgmoError(str(error)) from error
+    _join_sides(solids.open, model)
+    return solids
+
+
+def _join_sides(openings: Open, model: Model) -> None:
+    """Ghosts beyond periodic sides hold what stands at the other side; joined faces are as open as both sides allow."""
+    for d, n in enumerate(model.mesh.blocks[0].shape):
+        if model.fluid.sides[2 * d].kind != PERIODIC:
+            continue
+        for a in (a for a in openings if a is not None):
+            layers = np.moveaxis(a, d, 0)
+            if a is openings[1 + d]:
+                layers[n + 1] = np.minimum(layers[1], layers[n + 1])
+            layers[[0, 1, n + G, n + G + 1]] = layers[[n, n + 1, G, G + 1] if n > 1 else [G] * 4]
 
 
 def initial_flow(liquid: Liquid, model: Model) -> Flow:

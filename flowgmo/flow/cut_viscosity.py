@@ -7,9 +7,14 @@ A face stands for the middle of its open part: the distance to a neighbour is th
 gives no stress; one on a wall square to it (0) does. Linear and parabolic profiles so come out as between walls on mesh
 planes, wherever the walls cut the cells.
 
-A sliver holds little liquid with much wall: explicitly it would need a small step. So V is taken as at least
-dt nu (sum c_n + s / 2), at which a step just does not overshoot. Below viscous_limit this changes slivers only, and
-those the less the smaller the step. implicit_viscosity.py uses V itself.
+A sliver holds little liquid with much wall: explicitly it would need a small step. So its balance of forces is given
+the inertia of a larger volume W = max(V, dt nu (sum c_n + s)), at which a step does not overshoot,
+
+    dq/dt = (V / W) (everything + viscous terms - grad p / rho)
+
+with the pressure of the last step; the projection adds what p gains. A sliver then follows its neighbours within a few
+steps, and what is steady is so whatever the step: with W in the viscous terms alone, walls of slivers would not hold
+against gravity and pressure. Below viscous_limit this changes slivers only. implicit_viscosity.py uses V itself.
 """
 
 from __future__ import annotations
@@ -39,10 +44,12 @@ class CutViscosity(NamedTuple):
 
 
 @flow_kernel
-def diffuse_cut(rows, first, last, ci, cj, ck, q, F, c, V, s, speed, factor, limit, out):
+def diffuse_cut(rows, first, last, ci, cj, ck, q, F, c, V, s, speed, factor, limit, gradient, out):
     """out += factor (sum c_n (q_n - q) + s (speed - q)) / V on cut faces.
 
-    V at least limit * (sum c_n + s / 2), see above; speed None: the walls are at rest.
+    speed None: the walls are at rest. gradient (n,) [length/time2]: grad p / rho of the last step; with it, out holds
+    all other accelerations before, and slivers are made heavier as above, W by limit = dt nu. None: by V as it is, at
+    least limit * (sum c_n + s).
     """
     for r in range(first, last):
         i = U64(rows[r, 0])
@@ -56,11 +63,13 @@ def diffuse_cut(rows, first, last, ci, cj, ck, q, F, c, V, s, speed, factor, lim
             a, b, h = _neighbour(i, j, k, n)
             if c[r, n] > 0.0 and wet_face(F, a, b, h, ci, cj, ck):
                 total += c[r, n] * (q[a, b, h] - q0)
-        least = 0.5 * s[r]
+        least = s[r]
         for n in range(6):
             least += c[r, n]
         whole = max(V[r], limit * least)
         if whole > 0.0:
+            if gradient is not None:
+                out[i, j, k] += (out[i, j, k] - gradient[r]) * (min(V[r] / whole, 1.0) - 1.0)
             out[i, j, k] += factor * total / whole
 
 

@@ -62,7 +62,7 @@ def push_by_last_pressure(projector: Projector, p: np.ndarray, dt: float, veloci
     projector.sides.fill_pressure(projector.q, dt, velocity)
     for d, u in enumerate(velocity):
         if u is not None:
-            V, A = projector.openings[0], projector.openings[1 + d]
+            V, A = projector.eased, projector.openings[1 + d]
             args = (m.b[d], *projector.areas[d], A, V, projector.q, projector.wet, np.int64(d), u)
             for columns in (m.faces, projector.lower_faces[d]):
                 if columns is not None:

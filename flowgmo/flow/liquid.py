@@ -20,6 +20,7 @@ from flowgmo.flow.projection import Projector
 from flowgmo.flow.surface_tracking import tracking_of
 from flowgmo.flow.tally import Tally
 from flowgmo.flow.team import Team
+from flowgmo.flow.thin_cells import find_thin_faces, inertia_rules
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate, surface_limit
 from flowgmo.flow_plan import FluidPlan
 
@@ -46,7 +47,9 @@ class Liquid:
         self.shape = tuple(len(d) for d in grid[:3])
         self.present = tuple(n > 1 + 2 * G for n in self.shape)
         self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
-        self.projector = Projector(grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor)
+        thin = find_thin_faces(openings) if inertia_rules(plan, grid, self.gravity) else (None, None, None)
+        plain = plan.pressure.plain_sor
+        self.projector = Projector(grid, openings, sides, self.team, plan.rho, plain=plain, thin=thin)
         self.acceleration = self._per_direction()
         self.predicted = self._per_direction()
         self.p = np.zeros(self.shape)
@@ -91,10 +94,12 @@ class Liquid:
         plan = self.plan
         self.find_columns(flow.F)
         rate = courant_rate(self.team, self.near, self.grid, self.openings, flow.F, DUST, [flow.u, flow.v, flow.w])
+        carried, spread = min(plan.steps.courant, MOST_COURANT) / rate if rate > 0.0 else np.inf, self.momentum.limit
+        least, other = min(carried, spread), max(carried, spread)
         limits = {
-            "flow": min(plan.steps.courant, MOST_COURANT) / rate if rate > 0.0 else np.inf,
+            # a new value is a mean of old ones around it up to dt (1 / carried + 1 / spread) = 1
+            "flow" if carried <= spread else "viscosity": least / (1.0 + least / other) if least < np.inf else np.inf,
             "surface": plan.steps.surface_courant * self.surface_limit,
-            "viscosity": self.momentum.limit,
             "growth": flow.dt * plan.steps.growth if flow.dt > 0.0 else start,
         }
         self.limiting = min(limits, key=limits.get)

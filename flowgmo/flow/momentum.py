@@ -52,9 +52,22 @@ class Momentum:
         return found
 
     def add_accelerations(
-        self, columns: np.ndarray, velocity: list, F: np.ndarray | None, acceleration: list, dt: float
+        self,
+        columns: np.ndarray,
+        velocity: list,
+        F: np.ndarray | None,
+        acceleration: list,
+        dt: float,
+        gradients: tuple = (None, None, None),
     ) -> None:
-        """Add them on the upper faces of the columns' cells. Ghosts of velocity are filled."""
+        """Add them on the upper faces of the columns' cells. Ghosts of velocity are filled.
+
+        gradients: grad p / rho of the last step on the cut faces, for slivers (cut_viscosity.py).
+        """
+        gradients = tuple(
+            None if gradient is None else gradient + a[tuple(rows[:, :3].T)]  # what is there already is not slowed down
+            for gradient, a, rows in zip(gradients, acceleration, self.cut.rows, strict=True)
+        )
         for a, g in zip(acceleration, self.gravity, strict=True):
             if a is not None and g != 0.0:
                 self.team.run(add, columns, float(g), a)
@@ -62,7 +75,16 @@ class Momentum:
             self.team, columns, self.schemes, self.openings, self.cut, tuple(velocity), F, tuple(acceleration)
         )
         if self.operators is not None and not self.implicit:
-            add_viscosity(self.team, columns, self.operators, tuple(velocity), F, tuple(acceleration), self.nu, dt)
+            add_viscosity(
+                self.team, columns, self.operators, tuple(velocity), F, tuple(acceleration), self.nu, dt, gradients
+            )
+
+    @property
+    def slivers(self) -> tuple:
+        """Cut faces (n, 4) of u, v, w where the walls of slivers need the last step's pressure; None elsewhere."""
+        if self.operators is None or self.implicit:
+            return None, None, None
+        return tuple(None if o is None or o.cut is None else o.cut.rows for o in self.operators)
 
     def diffuse(self, columns: np.ndarray, velocity: list, F: np.ndarray | None, dt: float) -> None:
         """Implicit viscosity: change the predicted velocity, ghosts filled before. Raises StepTooLong."""
@@ -75,3 +97,4 @@ class Momentum:
         )  # fmt: skip
         if not all(solved.good for solved in ended):
             raise StepTooLong("the implicit viscosity did not converge")
+        self.sides.fill_velocity(velocity)  # joined sides changed on one side only

@@ -18,6 +18,7 @@ import numpy as np
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import ONE, all_columns, columns_where, widen
 from flowgmo.flow.conjugate_gradients import ConjugateGradients, Solved
+from flowgmo.flow.exits import Exits
 from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.multigrid import Multigrid
 from flowgmo.flow.pressure_matrix import clear, diagonals, face_coefficients, surface_coefficients
@@ -26,7 +27,7 @@ from flowgmo.flow.sealed import Sealed
 from flowgmo.flow.surface_distance import mark_liquid
 from flowgmo.flow.surface_normals import steps_of
 from flowgmo.flow.team import Team
-from flowgmo.flow.thin_cells import add_rest, find_thin_faces, multiply
+from flowgmo.flow.thin_cells import ThinFaces, add_rest, ease_between, multiply
 from flowgmo.kernel import flow_kernel
 from flowgmo.mesh import PRESSURE
 
@@ -86,6 +87,24 @@ def push(columns, first, last, b, area_x, area_y, area_z, A, q, step, u):
 
 
 @flow_kernel
+def difference(rows, first, last, b, area_x, area_y, area_z, V, A, q, step, out):
+    """out (n,) = (q_upper - q_lower) b / (A S) on faces rows (n, 4), 0 where b is; thin cells like others."""
+    m, n, o = step
+    for r in range(first, last):
+        i = rows[r, 0]
+        j = rows[r, 1]
+        k = np.uint64(rows[r, 2])
+        out[r] = 0.0
+        if b[i, j, k] > 0.0:
+            area = area_x[i] * area_y[j] * area_z[k]
+            if A is not None:
+                area *= A[i, j, k]
+            if V is not None:
+                area *= ease_between(V[i, j, k], V[i + m, j + n, k + o], A[i, j, k])
+            out[r] = (q[i + m, j + n, k + o] - q[i, j, k]) * b[i, j, k] / area
+
+
+@flow_kernel
 def scale_into(columns, first, last, a, factor, out):
     """out = factor a."""
     for c in range(first, last):
@@ -137,6 +156,7 @@ class Projector:
         rho: float,
         *,
         plain: bool = False,
+        thin: tuple[ThinFaces | None, ...] = (None, None, None),
     ) -> None:
         self.grid, self.openings, self.sides, self.team, self.rho = grid, openings, sides, team, rho
         shape = tuple(len(d) for d in (grid.dx, grid.dy, grid.dz))
@@ -154,10 +174,12 @@ class Projector:
         )
         self.wet = np.zeros(shape, np.int8)
         self.steps = steps_of(grid)
-        self.thin = find_thin_faces(openings)
+        self.thin = thin
+        self.eased = openings.V if any(t is not None for t in thin) else None
         self.every = all_columns(shape)
         held = tuple(plan.kind == PRESSURE for plan in sides.plans)
         self.sealed = Sealed(openings, shape, held, sides.periodic)
+        self.exits = Exits(grid, openings, sides, self.sealed.label)
         self.ends = np.zeros((*shape[:2], 2), np.int32)  # scratch of `widen`
         self.areas = [[np.ones_like(w) if e == d else w for e, w in enumerate(grid[:3])] for d in range(3)]
         self.lower_faces = [self._lower_faces(d) if sides.lower_face_acts(d) else None for d in range(3)]
@@ -182,6 +204,7 @@ class Projector:
         run(clear, m.faces, self.wet)
         near = self.every if F is None else columns_where(F, HALF)
         run(mark_liquid, near, F, self.openings.V, self.openings, self.steps, self.wet)
+        self.sides.join(self.wet)
         m.columns = columns_where(self.wet, 0)
         m.faces = widen(m.columns, 1, self.q.shape, self.ends)
         run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.wet, *m.b)
@@ -219,7 +242,10 @@ class Projector:
         self.ease_gravity(velocity, dt)
         run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, dt, self.right)
         volume = float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
-        self.sealed.balance(m.columns, self.wet, self.right, tolerance / dt * volume)
+        self.sealed.balance(
+            m.columns, self.wet, self.right, tolerance / dt * volume,
+            lambda surplus: self.exits.let_out(surplus, velocity, self.right),
+        )  # fmt: skip
         solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most)
         if not solved.converged:
             self.ease_gravity(velocity, -dt)
@@ -235,6 +261,24 @@ class Projector:
         for u, b, g, thin in zip(velocity, self.matrix.b, self.sides.gravity, self.thin, strict=True):
             if u is not None and thin is not None and g != 0.0:
                 self.team.run(add_rest, *thin, dt * float(g), b, u)
+
+    def gradients(self, p: np.ndarray, rows: tuple, velocity: list) -> tuple:
+        """grad p / rho [length/time2] on faces rows (n, 4) of u, v, w, None where that is; by the present surface."""
+        if all(r is None for r in rows):
+            return None, None, None
+        self.team.run(scale_liquid, self.matrix.faces, p, 1.0 / self.rho, self.wet, self.q)
+        self.sides.fill_pressure(self.q, 1.0, velocity)
+        found = []
+        for d, faces in enumerate(rows):
+            out = None
+            if faces is not None:
+                out = np.zeros(len(faces))
+                step = (int(d == 0), int(d == 1), np.uint64(d == 2))
+                A = self.openings[1 + d]
+                args = (self.matrix.b[d], *self.areas[d], self.eased, A, self.q, step, out)
+                self.team.run(difference, faces, *args)
+            found.append(out)
+        return tuple(found)
 
     def push(self, velocity: list) -> None:
         """velocity -= grad q on all faces that the pressure acts on, those of sides included."""

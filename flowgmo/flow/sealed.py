@@ -7,6 +7,8 @@ a count of its liquid cells at every step.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from flowgmo.flow.fields import G, Open
@@ -118,9 +120,17 @@ class Sealed:
         if count == 1:
             self.label = None
 
-    def balance(self, columns: np.ndarray, wet: np.ndarray, right: np.ndarray, most: float) -> bool:
+    def balance(
+        self,
+        columns: np.ndarray,
+        wet: np.ndarray,
+        right: np.ndarray,
+        most: float,
+        let_out: Callable[[np.ndarray], np.ndarray],
+    ) -> bool:
         """Make the right-hand side of every sealed region add up to zero; whether there is a sealed region.
 
+        let_out(surplus (n,) [length3/time]): lets it leave, also from `right`, and returns what could not.
         Raises PressedTogether where more than `most` [length3/time] a cell would have to be left out.
         """
         n = len(self.cells)
@@ -129,7 +139,8 @@ class Sealed:
         sealed = (counts == self.cells) & ~self.reached & (counts > 0)
         if not sealed.any():
             return False
-        amount = np.where(sealed, -sums / np.maximum(counts, 1), 0.0)
+        sums = let_out(np.where(sealed, sums, 0.0))
+        amount = -sums / np.maximum(counts, 1)
         if np.abs(amount).max() > most:
             worst = int(np.argmax(np.abs(amount)))
             raise PressedTogether(

@@ -37,8 +37,9 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
         if a is not None:
             run(fill, liquid.about, 0.0, a)
     add = liquid.momentum.add_accelerations
+    gradients = liquid.projector.gradients(flow.p, liquid.momentum.slivers, old)
     liquid.sides.loosen(old, flow.F, DUST)
-    add(liquid.faces, old, flow.F, liquid.acceleration, dt)
+    add(liquid.faces, old, flow.F, liquid.acceleration, dt, gradients)
     if flow.F is not None:
         liquid.sides.tighten(old)
     _advance(liquid, old, flow.F, 1.0, dt, new)
@@ -48,7 +49,7 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     push_by_last_pressure(liquid.projector, flow.p, dt, new)
     _continue(liquid, flow, new)
     liquid.sides.loosen(new, flow.F, DUST)
-    add(liquid.faces, new, flow.F, liquid.acceleration, dt)
+    add(liquid.faces, new, flow.F, liquid.acceleration, dt, gradients)
     _advance(liquid, old, flow.F, 0.5, dt, new)
     liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
 

@@ -131,15 +131,20 @@ def apply(
     out: Array,
     limit: float,
     moving: bool = True,
+    gradient: Array | None = None,
 ) -> None:
-    """out += factor (laplacian q + wall terms) of component c; moving False: as if all walls were at rest."""
+    """out += factor (laplacian q + wall terms) of component c; moving False: as if all walls were at rest.
+
+    limit, gradient: cut_viscosity.diffuse_cut.
+    """
     steps = STEPS[c]
     _, plain, bit, cut, sides = operator
     team.run(diffuse, columns, *steps, q, F, *operator.conducts, plain, bit, factor, out)
     if cut is not None:
         team.run(
-            diffuse_cut, cut.rows, *steps, q, F, cut.c, cut.V, cut.s, cut.speed if moving else None, factor, limit, out
-        )
+            diffuse_cut, cut.rows, *steps, q, F, cut.c, cut.V, cut.s, cut.speed if moving else None, factor, limit,
+            gradient, out,
+        )  # fmt: skip
     if sides is not None:
         speed = sides.speed if moving else None
         team.run(shear_sides, sides.rows, *steps, q, F, sides.s, speed, factor, out)
@@ -154,15 +159,17 @@ def add_viscosity(
     acceleration: Velocity,
     nu: float,
     dt: float,
+    gradients: tuple[Array | None, ...] = (None, None, None),
 ) -> None:
     """Add nu laplacian(u) and the walls' shear [length/time2] to the acceleration of the columns' upper faces.
 
     velocity (u, v, w) on faces, both ghost layers as without shear (mirrored at walls); F [-] None without a free
-    surface; dt the step, for which slivers are kept stable. Closed faces and faces in air keep their acceleration.
+    surface; dt the step, for which slivers are kept stable; gradients: grad p / rho of the last step on the cut faces
+    of each component (projection.Projector.gradients). Closed faces and faces in air keep their acceleration.
     """
     for c, (operator, q, out) in enumerate(zip(operators, velocity, acceleration, strict=True)):
         if operator is not None:
-            apply(team, columns, c, operator, q, F, nu, out, nu * dt)
+            apply(team, columns, c, operator, q, F, nu, out, nu * dt, gradient=gradients[c])
 
 
 def viscous_limit(grid: Grid, nu: float, present: tuple[bool, bool, bool] = (True, True, True)) -> float:

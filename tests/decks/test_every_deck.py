@@ -17,6 +17,7 @@ LONG = {
     "hard",
     "dam_break",
     "cavity",
+    "cylinder",
     "martin_moyce",
     "wall_impact",
 }  # whole runs of these take minutes: `make test-all`

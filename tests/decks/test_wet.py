@@ -1,4 +1,4 @@
-"""The decks with liquid, against theory and experiments."""
+"""The decks with a free surface, against theory and experiments."""
 
 import pytest
 
@@ -22,12 +22,6 @@ def test_dam_break_on_the_coarse_mesh(runs):
     assert abs(found["arrival over measured"] - 1.0) <= 0.06
     assert max(found[f"mean error of {name} over .55 m"] for name in ("h_1488", "h_0992")) <= 0.05
     assert found["volume error"] <= 1e-10
-
-
-@pytest.mark.slow
-def test_cavity(runs):
-    # Measured: .8 % at 64 cells. VALIDATION D wants .5 %; the bound here holds what is reached.
-    runs.agree("cavity", "cavity", 0.0022)
 
 
 def test_sloshing(runs):
@@ -60,4 +54,16 @@ def test_wall_impact(runs):
     assert -0.05 <= found["arrival over measured"] - 1.0 <= 0.01
     assert abs(found["impulse of the blow over measured"] - 1.0) <= 0.15
     assert abs(found["pressure at T = 4 over rho g H"] / 0.85 - 1.0) <= 0.15
+    assert found["volume error"] <= 1e-10
+
+
+def test_ritter(runs):
+    # Measured: 1.26 and .91 %, .4495 and .4475, front -1.7 and -1.2 %. VALIDATION D allows 3 %. The depth at the dam
+    # comes down to 4/9 like 1 / T: at first the water there falls, which shallow water does not know. A front that
+    # sticks or runs ahead would show in its place.
+    found = runs.measure.measure(runs.results("ritter", "ritter"), "ritter", "ritter")
+    assert found["mean error at T = 10"] <= 0.015
+    assert found["mean error at T = 15"] <= 0.011
+    assert abs(found["depth at the dam at T = 15"] - 4.0 / 9.0) <= 0.005
+    assert abs(found["front at T = 15 over exact"] - 1.0) <= 0.02
     assert found["volume error"] <= 1e-10
