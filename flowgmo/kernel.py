@@ -27,7 +27,9 @@ def pipelines(version: str) -> tuple[dict, dict]:
 _of_kernel, _of_inner = pipelines(numba.__version__)
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **_of_kernel)
 inner = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_of_inner)
-#: A kernel of the flow: releases Python's lock, so that threads share its columns; a * b + c may be one operation.
+#: A kernel of the flow: releases Python's lock, so that threads share its columns; a * b + c may be one operation. It
+#: makes no arrays, and does not count references to those that it was given (_nrt): counting them in every cell, for
+#: each inner function, costs more than the work.
 flow_kernel = njit(
-    cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, fastmath={"contract"}, **_of_kernel
+    cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, fastmath={"contract"}, _nrt=False, **_of_kernel
 )

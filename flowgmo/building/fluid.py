@@ -25,10 +25,6 @@ def build_fluid(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> FluidP
     _check_open(found, mesh, bodies)
     void_pressure = float(deck["PVOID"])
     sides = build_sides(found, mesh, void_pressure)
-    if deck["RCSQL"] > 0.0:
-        found.notice(
-            "RCSQL", wrong="the liquid is computed as if it did not give way; compressibility is not computed yet"
-        )
     if deck["ITB"] == 0 and deck["RCSQL"] == 0.0:
         check_balance(found, sides, mesh, bodies)
     mu = _viscosity(found)

@@ -48,8 +48,10 @@ class Liquid:
         self.present = tuple(n > 1 + 2 * G for n in self.shape)
         self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
         thin = find_thin_faces(openings) if inertia_rules(plan, grid, self.gravity) else (None, None, None)
-        plain = plan.pressure.plain_sor
-        self.projector = Projector(grid, openings, sides, self.team, plan.rho, plain=plain, thin=thin)
+        self.projector = Projector(
+            grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor, thin=thin,
+            beta=plan.compressibility,
+        )  # fmt: skip
         self.acceleration = self._per_direction()
         self.predicted = self._per_direction()
         self.p = np.zeros(self.shape)

@@ -14,6 +14,8 @@ Measured (zero first guess, 1e-6 of the residual): 6 to 9 cycles for 4000 to 1.3
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from flowgmo.flow.boundary import join_faces
@@ -85,11 +87,19 @@ class Multigrid:
         self.table = np.zeros((0, WORDS), np.int64)
         self.small_columns = np.zeros((0, 4), np.int32)
 
-    def rebuild(self, faces: np.ndarray, columns: np.ndarray, ends: np.ndarray, matrix: tuple, scale: float) -> None:
+    def rebuild(
+        self,
+        faces: np.ndarray,
+        columns: np.ndarray,
+        ends: np.ndarray,
+        matrix: tuple,
+        scale: float,
+        hold: Callable[[np.ndarray, float], None] | None = None,
+    ) -> None:
         """Take the matrix (bx, by, bz, diagonal) of the finest mesh times a power of two.
 
         columns hold its liquid cells; faces, wider by one, all cells whose upper faces have b > 0; ends [i, j] = (k0,
-        k1) the same, as a table.
+        k1) the same, as a table. hold(surface, scale) adds to the held shares what the diagonal has besides its faces.
         """
         top, run = self.levels[0], self.team.run
         tabulate(columns, self.ends[0])
@@ -100,6 +110,8 @@ class Multigrid:
         self._join(top)
         run(invert, columns, top.diagonal, top.inverse)
         run(held_shares, columns, top.bx, top.by, top.bz, top.diagonal, top.surface)
+        if hold is not None:
+            hold(top.surface, scale)
         for fine, coarse, table in zip(self.levels[:-1], self.levels[1:], self.ends[1:], strict=True):
             under = columns_under(fine.columns, fine.factors, table)
             coarse.take(under, table, self.team)

@@ -96,7 +96,9 @@ def prolong(columns, first, last, fx, fy, fz, coarse, inverse, p):
 
 @inner
 def _level(table, depth, flat):
-    """A level's part of a flat array, as an array of its mesh."""
+    """A level's part of a flat array, as an array of its mesh; None of None, decided when compiled."""
+    if flat is None:
+        return None
     nx, ny, nz = table[depth, NX], table[depth, NY], table[depth, NZ]
     start = table[depth, OFFSET]
     return flat[start : start + nx * ny * nz].reshape((nx, ny, nz))
@@ -122,9 +124,9 @@ def cycle_below(table, columns, P, R, BX, BY, BZ, inverse, diagonal, joined):
         down = turn < n
         at = turn if down else 2 * (n - 1) - turn
         p, r, d, v = _level(table, at, P), _level(table, at, R), _level(table, at, diagonal), _level(table, at, inverse)
-        bx = None if BX is None else _level(table, at, BX)
-        by = None if BY is None else _level(table, at, BY)
-        bz = None if BZ is None else _level(table, at, BZ)
+        bx = _level(table, at, BX)
+        by = _level(table, at, BY)
+        bz = _level(table, at, BZ)
         first, last = table[at, FIRST], table[at, LAST]
         fx, fy, fz = table[at, FX], table[at, FY], table[at, FZ]
         if down:

@@ -12,8 +12,8 @@ ends at the free surface, where q = 0: its distance is the wet part of h only,
 
 which puts the surface where it lies between the centres, not at a face (second order; Gibou et al. 2002, Enright et
 al. 2003). Cells that are not liquid keep q = 0, so that one array per direction holds both kinds of faces and the
-operator needs no case: diagonal = sum of the six b. The matrix is symmetric and positive definite where a surface or a
-pressure side is met, else semi-definite.
+operator needs no case: diagonal = sum of the six b, and what lids.py and compressibility add. The matrix is symmetric
+and positive definite where a surface or a pressure side is met, else semi-definite.
 
 """
 
@@ -28,14 +28,20 @@ from flowgmo.kernel import flow_kernel, inner
 
 
 @inner
-def _joined(wet, i, j, k, m, n, o):
-    """1 between two liquid cells, 0 else."""
-    return 1.0 if wet[i, j, k] != 0 and wet[m, n, o] != 0 else 0.0
+def open_volume(grid, V, i, j, k):
+    """Of a cell [length3]."""
+    volume = grid.dx[i] * grid.dy[j] * grid.dz[k]
+    if V is not None:
+        volume *= V[i, j, k]
+    return volume
 
 
 @flow_kernel
 def face_coefficients(columns, first, last, grid, Ax, Ay, Az, wet, bx, by, bz):
-    """b [length] of the columns' upper faces between liquid cells, 0 on others. bx None: one cell in that direction."""
+    """b [length] of the columns' upper faces between liquid cells, 0 on others. bx None: one cell in that direction.
+
+    wet int8, 1 or 0: the product of both says whether they are liquid, without a branch.
+    """
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
@@ -44,17 +50,17 @@ def face_coefficients(columns, first, last, grid, Ax, Ay, Az, wet, bx, by, bz):
         across_z = grid.dx[i] * grid.dy[j]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
             if bx is not None:
-                b = across_x * grid.dz[k] * _joined(wet, i, j, k, i + 1, j, k)
+                b = across_x * grid.dz[k] * (wet[i, j, k] * wet[i + 1, j, k])
                 if Ax is not None:
                     b *= Ax[i, j, k]
                 bx[i, j, k] = b
             if by is not None:
-                b = across_y * grid.dz[k] * _joined(wet, i, j, k, i, j + 1, k)
+                b = across_y * grid.dz[k] * (wet[i, j, k] * wet[i, j + 1, k])
                 if Ay is not None:
                     b *= Ay[i, j, k]
                 by[i, j, k] = b
             if bz is not None:
-                b = across_z / grid.hz[k] * _joined(wet, i, j, k, i, j, k + ONE)
+                b = across_z / grid.hz[k] * (wet[i, j, k] * wet[i, j, k + ONE])
                 if Az is not None:
                     b *= Az[i, j, k]
                 bz[i, j, k] = b
@@ -92,10 +98,10 @@ def surface_coefficients(columns, first, last, widths, S1, S2, S3, h, A, d, F, V
 
 
 @flow_kernel
-def diagonals(columns, first, last, wet, bx, by, bz, extra, diagonal):
-    """Sum of the six b of liquid cells, plus `extra` [length] times their share; 0 in all other cells.
+def diagonals(columns, first, last, grid, V, wet, bx, by, bz, give, diagonal):
+    """Sum of the six b of liquid cells, plus `give` [1/length2] times their open volume; 0 in all other cells.
 
-    extra: what compressibility adds (None: incompressible), as an array (n) of cells, or None.
+    give: what compressibility adds (projection.py), None without.
     """
     for c in range(first, last):
         i = columns[c, 0]
@@ -109,9 +115,20 @@ def diagonals(columns, first, last, wet, bx, by, bz, extra, diagonal):
                     total += by[i, j - 1, k] + by[i, j, k]
                 if bz is not None:
                     total += bz[i, j, k - ONE] + bz[i, j, k]
-                if extra is not None:
-                    total += extra[i, j, k]
+                if give is not None:
+                    total += give * open_volume(grid, V, i, j, k)
             diagonal[i, j, k] = total
+
+
+@flow_kernel
+def add_give(columns, first, last, grid, V, wet, give, scale, surface):
+    """surface += scale give (open volume) in liquid cells: what `diagonals` adds, for multigrid.py."""
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            if wet[i, j, k] != 0:
+                surface[i, j, k] += np.float32(scale * give * open_volume(grid, V, i, j, k))
 
 
 @flow_kernel
@@ -122,6 +139,26 @@ def clear(columns, first, last, a):
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
             a[i, j, k] = 0.0
+
+
+@flow_kernel
+def scale_into(columns, first, last, a, factor, out):
+    """out = factor a."""
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            out[i, j, k] = factor * a[i, j, k]
+
+
+@flow_kernel
+def scale_liquid(columns, first, last, a, factor, wet, out):
+    """out = factor a in liquid cells, 0 in the others: a cell that was liquid a step ago must not hold its pressure."""
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            out[i, j, k] = factor * a[i, j, k] if wet[i, j, k] != 0 else 0.0
 
 
 NO_SOLIDS = Open(None, None, None, None)

@@ -4,40 +4,58 @@
     sum over faces (A S u) = source      in every liquid cell
 
 The source is 0, but for cells that hold more than their volume (F > 1, left over by the tolerance of earlier
-solutions): they push it out. Liquid that is shut in everywhere (no surface, no pressure side) has a pressure up to a
-constant, and its flows must add up to nothing; region by region the mean is removed, and a flow that does not add up
-is an error.
+solutions): they push it out; and for voids beside closed faces (voids.py), for which this is solved again until none
+takes more than it holds. Liquid that gives way (beta = 1 / (rho c2), `rcsql`) adds beta (p - p_before) / dt times the
+volume to the sum; F is then rho / rho0 = 1 + beta p at most. Liquid that is shut in everywhere (no surface, no pressure
+side) has a pressure up to a constant, and its flows must add up to nothing; region by region the mean is removed, and a
+flow that does not add up is an error.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flowgmo.flow.boundary import Sides
-from flowgmo.flow.columns import ONE, all_columns, columns_where, widen
+from flowgmo.flow.columns import ONE, all_columns, cells_in, clear_left, columns_where, widen
 from flowgmo.flow.conjugate_gradients import ConjugateGradients, Solved
 from flowgmo.flow.exits import Exits
 from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.multigrid import Multigrid
-from flowgmo.flow.pressure_matrix import clear, diagonals, face_coefficients, surface_coefficients
+from flowgmo.flow.pressure_matrix import (
+    add_give,
+    clear,
+    diagonals,
+    face_coefficients,
+    open_volume,
+    scale_into,
+    scale_liquid,
+    surface_coefficients,
+)
 from flowgmo.flow.relaxation import Relaxation
 from flowgmo.flow.sealed import Sealed
 from flowgmo.flow.surface_distance import mark_liquid
 from flowgmo.flow.surface_normals import steps_of
 from flowgmo.flow.team import Team
 from flowgmo.flow.thin_cells import ThinFaces, add_rest, ease_between, multiply
+from flowgmo.flow.voids import Voids, closed_sides
 from flowgmo.kernel import flow_kernel
 from flowgmo.mesh import PRESSURE
 
 HALF = 0.1  # F below it: the centre is dry, also in cells that a solid cuts, whose centres lie in the open
+MOST_SOLUTIONS = (
+    20  # for the voids; 4 at most in boxes of 1200 cells. What is not shut by then overfills, and is pushed out later
+)
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step: all of it at once would swing back
 
 
 @flow_kernel
-def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, dt, right):
-    """right = - sum over faces (outward A S u) + source [length3/time] in the columns' cells."""
+def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, p, beta, dt, right):
+    """right = - sum over faces (outward A S u) + source [length3/time] in the columns' cells.
+
+    beta [time2 length/mass]: the liquid gives way by this, None without; p: the last pressure.
+    """
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
@@ -61,12 +79,13 @@ def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, dt, right)
                     total += S * (Az[i, j, k - ONE] * w[i, j, k - ONE] - Az[i, j, k] * w[i, j, k])
                 else:
                     total += S * (w[i, j, k - ONE] - w[i, j, k])
+            most = 1.0
+            if beta is not None:
+                most += beta * max(p[i, j, k], 0.0)
+                total += beta * p[i, j, k] * open_volume(grid, V, i, j, k) / dt
             if F is not None:
-                if F[i, j, k] > 1.0:
-                    volume = grid.dx[i] * grid.dy[j] * grid.dz[k]
-                    if V is not None:
-                        volume *= V[i, j, k]
-                    total += PUSH * (F[i, j, k] - 1.0) * volume / dt
+                if F[i, j, k] > most:
+                    total += PUSH * (F[i, j, k] - most) * open_volume(grid, V, i, j, k) / dt
             right[i, j, k] = total
 
 
@@ -104,26 +123,6 @@ def difference(rows, first, last, b, area_x, area_y, area_z, V, A, q, step, out)
             out[r] = (q[i + m, j + n, k + o] - q[i, j, k]) * b[i, j, k] / area
 
 
-@flow_kernel
-def scale_into(columns, first, last, a, factor, out):
-    """out = factor a."""
-    for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            out[i, j, k] = factor * a[i, j, k]
-
-
-@flow_kernel
-def scale_liquid(columns, first, last, a, factor, wet, out):
-    """out = factor a in liquid cells, 0 in the others: a cell that was liquid a step ago must not hold its pressure."""
-    for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            out[i, j, k] = factor * a[i, j, k] if wet[i, j, k] != 0 else 0.0
-
-
 @dataclass
 class Matrix:
     """The pressure equation of the present surface: b of faces, diagonal; columns of liquid cells and of faces."""
@@ -145,7 +144,11 @@ class Matrix:
 
 
 class Projector:
-    """The pressure equation and its solver, with their arrays: 7 of float64 and 8 of float32 of mesh size."""
+    """The pressure equation and its solver, with their arrays: 7 of float64 and 8 of float32 of mesh size.
+
+    beta [time2 length/mass]: 1 / (rho c2) of liquid that gives way, None where it does not. solves: how many systems
+    were solved so far; more than one a projection where a void is filled within the step (lids.py).
+    """
 
     def __init__(
         self,
@@ -157,8 +160,9 @@ class Projector:
         *,
         plain: bool = False,
         thin: tuple[ThinFaces | None, ...] = (None, None, None),
+        beta: float | None = None,
     ) -> None:
-        self.grid, self.openings, self.sides, self.team, self.rho = grid, openings, sides, team, rho
+        self.grid, self.openings, self.sides, self.team, self.rho, self.beta = grid, openings, sides, team, rho, beta
         shape = tuple(len(d) for d in (grid.dx, grid.dy, grid.dz))
         b = [np.zeros(shape) if n > 1 + 2 * G else None for n in shape]
         none = np.zeros((0, 4), np.int32)
@@ -181,6 +185,9 @@ class Projector:
         self.sealed = Sealed(openings, shape, held, sides.periodic)
         self.exits = Exits(grid, openings, sides, self.sealed.label)
         self.ends = np.zeros((*shape[:2], 2), np.int32)  # scratch of `widen`
+        closed = closed_sides(sides.plans, tuple(a is not None for a in b))
+        self.voids, self.solves = Voids(grid, openings, self.steps, closed), 0
+        self.ends = np.zeros((*shape[:2], 2), np.int32)  # of `widen`: where the columns of faces begin and end
         self.areas = [[np.ones_like(w) if e == d else w for e, w in enumerate(grid[:3])] for d in range(3)]
         self.lower_faces = [self._lower_faces(d) if sides.lower_face_acts(d) else None for d in range(3)]
         self.matrix_scale = 2.0 ** -np.frexp(min(ends))[1]
@@ -196,17 +203,24 @@ class Projector:
         return every
 
     def set_surface(self, F: np.ndarray | None) -> None:
-        """Fit the matrix to where the liquid is. F with ghosts filled."""
-        run, m = self.team.run, self.matrix
-        for a in (*m.b, m.diagonal, self.q, *self.solver.unknowns):  # what is not liquid any more holds 0
-            if a is not None:
-                run(clear, m.faces, a)
-        run(clear, m.faces, self.wet)
+        """Fit the coefficients of faces to where the liquid is. F with ghosts filled."""
+        run, m, before = self.team.run, self.matrix, self.matrix.faces
+        run(clear, before, self.wet)
         near = self.every if F is None else columns_where(F, HALF)
-        run(mark_liquid, near, F, self.openings.V, self.openings, self.steps, self.wet)
-        self.sides.join(self.wet)
+        if F is not None and self.openings.V is not None:  # cells that a solid cuts beside the liquid
+            near = widen(near, 1, self.q.shape, self.ends)
+        counts = np.zeros(len(near), np.int32)
+        run(mark_liquid, near, F, self.openings.V, self.openings, self.steps, self.voids.closed, self.wet, counts)
         m.columns = columns_where(self.wet, 0)
         m.faces = widen(m.columns, 1, self.q.shape, self.ends)
+        if F is not None:
+            self.voids.find(near, counts, F, self.wet)
+        self.sides.join(self.wet)
+        for b in m.b:  # what the liquid has left
+            if b is not None:
+                run(clear_left, before, self.ends, b)
+        for a in self.solver.unknowns:
+            run(clear, before, a)
         run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.wet, *m.b)
         if F is not None:
             self._reach_surface(F)
@@ -214,9 +228,6 @@ class Projector:
             if thin is not None:
                 run(multiply, *thin, b)
         self.sides.set_coefficients(m.b, self.openings[1:], self.wet)
-        run(diagonals, m.columns, self.wet, *m.b, None, m.diagonal)
-        if self.multigrid is not None:
-            self.multigrid.rebuild(m.faces, m.columns, self.ends, m.arrays, self.matrix_scale)
 
     def _reach_surface(self, F: np.ndarray) -> None:
         """b of the faces at which the free surface ends what a cell is coupled to."""
@@ -236,25 +247,59 @@ class Projector:
         tolerance: largest share of a cell that its faces may miss within dt. `set_surface` was called with this F.
         Returns how it went; on failure velocity and p are as they were.
         """
-        run, m = self.team.run, self.matrix
+        run, m, voids = self.team.run, self.matrix, self.voids
         run(scale_liquid, m.faces, p, dt / self.rho, self.wet, self.q)
+        own = tuple(voids.pockets.T)
+        self.q[own] = p[own] * (dt / self.rho)
         self.sides.fill_pressure(self.q, dt, velocity)
+        guess = self.beta is not None or not self.sealed.may_be_full(cells_in(m.columns))
         self.ease_gravity(velocity, dt)
-        run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, dt, self.right)
-        volume = float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
-        self.sealed.balance(
-            m.columns, self.wet, self.right, tolerance / dt * volume,
-            lambda surplus: self.exits.let_out(surplus, velocity, self.right),
-        )  # fmt: skip
-        solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most)
-        if not solved.converged:
-            self.ease_gravity(velocity, -dt)
-            return solved
+        voids.begin(velocity, m.b, F, self.q, self.wet, dt, guess)
+        iterations, again, release, last = 0, True, guess, self.solves + MOST_SOLUTIONS
+        while again:
+            self._set_matrix(dt)
+            run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, self.right)
+            voids.enter(self.right)
+            if self.beta is None:
+                self._balance(velocity, F, dt, tolerance)
+            solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most)
+            self.solves += 1
+            iterations += solved.iterations
+            if not solved.converged:
+                self.ease_gravity(velocity, -dt)
+                return replace(solved, iterations=iterations)
+            again = voids.shut_full(self.q, tolerance / dt, release=release) and self.solves < last
+            release = False
         self.sides.join(self.q)
         self.push(velocity)
         p.fill(0.0)
         run(scale_into, m.columns, self.q, self.rho / dt, p)
-        return solved
+        return replace(solved, iterations=iterations)
+
+    def _set_matrix(self, dt: float) -> None:
+        """The diagonal, with the lids that are open, and the preconditioner."""
+        m, V, lids, held = self.matrix, self.openings.V, self.voids.lids.at, self.voids.held
+        give = None if self.beta is None else self.beta * self.rho / dt**2
+        self.team.run(diagonals, m.faces, self.grid, V, self.wet, *m.b, give, m.diagonal)
+        m.diagonal[lids] += held
+
+        def hold(surface: np.ndarray, scale: float) -> None:
+            if give is not None:
+                self.team.run(add_give, m.columns, self.grid, V, self.wet, give, scale, surface)
+            surface[lids] += (scale * held).astype(surface.dtype)
+
+        if self.multigrid is not None:
+            self.multigrid.rebuild(m.faces, m.columns, self.ends, m.arrays, self.matrix_scale, hold)
+
+    def _balance(self, velocity: list, F: np.ndarray | None, dt: float, tolerance: float) -> None:
+        """The flows of sealed liquid add up to nothing."""
+        volume = float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
+        rooms = None if F is None else (self.grid, self.openings.V, F)
+        self.sealed.balance(
+            self.matrix.columns, self.wet, self.right, tolerance / dt * volume,
+            lambda surplus: self.exits.let_out(surplus, velocity, self.right),
+            self.voids.open_lids, *self.voids.full, rooms, dt,
+        )  # fmt: skip
 
     def ease_gravity(self, velocity: list, dt: float) -> None:
         """What gravity gives the faces of thin cells more than others, where the pressure acts on them."""

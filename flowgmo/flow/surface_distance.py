@@ -14,7 +14,9 @@ from __future__ import annotations
 
 import math
 
-from flowgmo.flow.plic import crossing, is_mixed
+from flowgmo.flow.lids import may_have_lid
+from flowgmo.flow.plic import FULL, crossing, is_mixed
+from flowgmo.flow.pockets import POCKET
 from flowgmo.flow.surface_normals import near_solids, plane_of_cell
 from flowgmo.kernel import flow_kernel, inner
 
@@ -24,15 +26,17 @@ NEAREST = 1e-3  # least share of h: a surface through the very centre; keeps 1/t
 
 
 @flow_kernel
-def mark_liquid(columns, first, last, F, V, opened, steps, wet):
+def mark_liquid(columns, first, last, F, V, opened, steps, closed, wet, lids):
     """wet (int8, mesh) = 1 in cells whose centre lies in the liquid, 0 in the others of the columns.
 
     F None: no free surface, all open cells. In cells that a solid cuts the plane decides, since F is a share of what is
-    open there; everywhere else F >= 1/2 says the same.
+    open there; everywhere else F >= 1/2 says the same. Others that a solid cuts are POCKET (pockets.py). lids
+    (columns,): how many of the cells are that or may have a void under a closed face (lids.py, with `closed`).
     """
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
+        lids[c] = 0
         for k in range(columns[c, 2], columns[c, 3]):
             liquid = True
             if F is not None:
@@ -46,6 +50,14 @@ def mark_liquid(columns, first, last, F, V, opened, steps, wet):
                         if m[0] != 0.0 or m[1] != 0.0 or m[2] != 0.0:
                             liquid = 0.5 * (m[0] + m[1] + m[2]) <= alpha
             wet[i, j, k] = 1 if liquid else 0
+            if F is not None:
+                if liquid and F[i, j, k] < FULL:  # no call for full cells: it costs more than all the rest
+                    if may_have_lid(F, opened, closed, i, j, k):
+                        lids[c] += 1
+                if V is not None:
+                    if not liquid and 0.0 < V[i, j, k] < 1.0:
+                        wet[i, j, k] = POCKET
+                        lids[c] += 1
 
 
 @inner
