@@ -16,7 +16,7 @@ __version__ = "0.1.0"
 
 
 #: Files and folders that kernels are made of; a test holds that kernels use no other.
-KERNEL_SOURCES = ("kernel.py", "compiler.py", "vectors.py", "records.py", "bodies", "collision", "flow")
+KERNEL_SOURCES = ("kernel.py", "compiler.py", "vectors.py", "records.py", "mesh.py", "bodies", "collision", "flow")
 
 
 def _kernel_folder() -> Path | None:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from flowgmo.world import World
 
 DONE, FAILED, WRONG = 0, 1, 2  # exit codes (DESIGN 8), with INTERRUPTED
+MOST_LOST = 1e-6  # of the liquid's volume; round-off makes 1e-13 (DESIGN 4)
 STATUS = {DONE: "done", FAILED: "failed", INTERRUPTED: "interrupted"}
 
 
@@ -107,6 +108,7 @@ class Job:
             began = time.perf_counter()
             if report.rows is not None:
                 self._write_rows(report.rows)
+                _check_volume(report.rows)
             if len(report.impacts):
                 self._note_impacts(report.impacts)
             if landing:
@@ -194,6 +196,17 @@ class Job:
         for part in (self.history, self.log):
             with suppress(Exception):  # the first error is the one to report
                 part.close()
+
+
+def _check_volume(rows: Rows) -> None:
+    """Raise StepFailed where the books of the liquid's volume do not close (DESIGN 4)."""
+    errors = rows.liquid.get("fluid/volume_error")
+    if errors is not None and np.abs(errors).max() > MOST_LOST:
+        worst = float(errors[np.argmax(np.abs(errors))])
+        raise StepFailed(
+            f"the volume of the liquid is off by {worst:.2g} of itself at t = {rows.t[-1]:.6g}: some was lost or made. "
+            "This is an error of the program; please send the deck to its authors"
+        )
 
 
 def _kernels_cached() -> bool:

@@ -61,6 +61,13 @@ class Sides:
 
     # ---- velocity
 
+    def fill_normal(self, velocity: Sequence[np.ndarray | None]) -> None:
+        """Only the velocities across the sides: on them, and in the ghosts beyond."""
+        for d, a in enumerate(velocity):
+            if a is not None:
+                for upper in (False, True):
+                    self._normal(a, d, upper, self.plans[2 * d + upper])
+
     def fill_velocity(self, velocity: Sequence[np.ndarray | None]) -> None:
         """Ghosts of u, v, w, and their values on sides where they are 0, given, or joined."""
         for d in range(3):

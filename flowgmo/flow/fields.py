@@ -38,6 +38,7 @@ class Flow:
 
     u, v, w [length/time] on faces, p [mass/length/time2] in cells, relative to the void; F [-] in cells. Arrays of
     shape (nx + 4, ny + 4, nz + 4), None where absent: v for one cell in y, F without a free surface.
+    p_before, of mesh size: p of the step before the last one, for the first guess of the next; None at the start.
     dt [time]: the length of the last step.
     start_volume [length3] of liquid at t = 0; passed (6,) [length3]: liquid that came in through each side since.
     """
@@ -50,6 +51,7 @@ class Flow:
     dt: float
     start_volume: float = 0.0
     passed: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    p_before: np.ndarray | None = None
 
     @property
     def velocity(self) -> list[np.ndarray | None]:
@@ -58,7 +60,7 @@ class Flow:
 
     def nbytes(self) -> int:
         """Bytes of all arrays."""
-        return sum(a.nbytes for a in (self.u, self.v, self.w, self.p, self.F) if a is not None)
+        return sum(a.nbytes for a in (self.u, self.v, self.w, self.p, self.F, self.p_before) if a is not None)
 
 
 class Open(NamedTuple):

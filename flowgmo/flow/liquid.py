@@ -1,6 +1,6 @@
 """The liquid of a scene: what its steps need and keep, made once.
 
-Bytes per cell: fields 40, open fractions 32, here 64, pressure equation 56 + 33 (projection.py, multigrid.py).
+Bytes per cell: fields 48, open fractions 32, here 64, pressure equation 56 + 33 (projection.py, multigrid.py).
 """
 
 from __future__ import annotations
@@ -20,11 +20,13 @@ from flowgmo.flow.projection import Projector
 from flowgmo.flow.surface_tracking import tracking_of
 from flowgmo.flow.tally import Tally
 from flowgmo.flow.team import Team
-from flowgmo.flow.thin_cells import find_thin_faces, inertia_rules
+from flowgmo.flow.thin_cells import find_thin_faces
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate, surface_limit
-from flowgmo.flow_plan import FluidPlan
+from flowgmo.flow_plan import FluidPlan, speed_in_sight
 
 DUST = 1e-9  # of a cell: less rests where it is and takes no part, so that it does not widen what is computed
+
+HIGH = 100.0  # Reynolds number of a cell: its viscous forces are a hundredth of what turns the flow
 
 #: `IFVOF`: how the liquid crosses faces
 CARRY = {"plic": plic_flux, "donor": donor_acceptor_flux}
@@ -85,7 +87,7 @@ class Liquid:
         old = flow.velocity
         flow.u, flow.v, flow.w = self.predicted
         self.predicted = old
-        flow.p, self.p = self.p, flow.p
+        flow.p, flow.p_before, self.p = self.p, flow.p, flow.p_before if flow.p_before is not None else flow.p.copy()
         if flow.F is not None:
             flow.F, self.F = self.F, flow.F
             flow.passed = flow.passed + self.entered
@@ -106,6 +108,15 @@ class Liquid:
         }
         self.limiting = min(limits, key=limits.get)
         return limits[self.limiting]
+
+
+def inertia_rules(plan: FluidPlan, grid: Grid, gravity: np.ndarray) -> bool:
+    """Whether the Reynolds number of a cell at the largest speed in sight is far above one."""
+    if not plan.mu:
+        return True
+    extent = np.array([d[G:-G].sum() for d in grid[:3]])
+    cell = min(float(d[G:-G].min()) for d in grid[:3] if len(d) > 1 + 2 * G)
+    return plan.rho * speed_in_sight(plan, gravity, extent) * cell > HIGH * plan.mu
 
 
 def default_threads() -> int:

@@ -41,6 +41,7 @@ class Level:
         self.bx, self.by, self.bz, self.diagonal, self.surface, self.inverse, self.p, self.r = arrays
         self.columns = self.held = np.zeros((0, 4), np.int32)  # of liquid cells; of faces with b > 0
         self.factors = (1, 1, 1)  # towards the next coarser level
+        self.alone = 1  # 1: no cell has a neighbour of its own colour, not even across joined sides
 
     @property
     def coefficients(self) -> tuple:
@@ -82,6 +83,9 @@ class Multigrid:
             start = end
         for level, f in zip(self.levels, factors, strict=False):
             level.factors = f
+        for level in self.levels:
+            odd = [joined and n % 2 == 1 for joined, n in zip(self.periodic, level.shape, strict=True)]
+            level.alone = int(not any(odd))
         self.ends = [np.zeros((*level.shape[:2], 2), np.int32) for level in self.levels]
         self.small = len(self.levels)  # first of the levels that one call does
         self.table = np.zeros((0, WORDS), np.int64)
@@ -130,7 +134,7 @@ class Multigrid:
         rows = np.cumsum([0] + [len(level.columns) for level in small])
         self.table = np.array(
             [
-                (o, *level.shape, a, b, *level.factors)
+                (o, *level.shape, a, b, *level.factors, level.alone)
                 for o, level, a, b in zip(self.offsets[self.small :], small, rows[:-1], rows[1:], strict=True)
             ],
             np.int64,
@@ -159,11 +163,11 @@ class Multigrid:
         if depth + 1 < len(self.levels):
             below = self.levels[depth + 1]
             run(
-                restrict, below.columns, *level.factors, level.p, level.r, level.bx, level.by, level.bz, level.diagonal,
-                below.r,
+                restrict, below.columns, *level.factors, level.alone, level.p, level.r, level.bx, level.by, level.bz,
+                level.diagonal, below.r,
             )  # fmt: skip
             self._descend(depth + 1)
-            run(prolong, level.columns, *level.factors, below.p, level.inverse, level.p)
+            run(prolong, level.columns, *level.factors, level.alone, below.p, level.inverse, level.p)
             self._join_unknown(level)
         self._sweep(level, 1)
 

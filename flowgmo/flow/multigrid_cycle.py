@@ -16,8 +16,8 @@ from flowgmo.kernel import flow_kernel, inner
 SWEEPS = 2  # red-black pairs before and after: with 1, 11 to 17 cycles in place of 6 to 9, and 1.5 times the time
 LAST_SWEEPS = 8  # on the coarsest level, there and back: it holds at most 64 cells
 TWO = np.uint64(2)
-OFFSET, NX, NY, NZ, FIRST, LAST, FX, FY, FZ = range(9)  # of a row of `table`
-WORDS = 9
+OFFSET, NX, NY, NZ, FIRST, LAST, FX, FY, FZ, ALONE = range(10)  # of a row of `table`
+WORDS = 10
 
 
 @inner
@@ -41,12 +41,10 @@ def first_of(columns, c, colour):
 
 @flow_kernel
 def begin(columns, first, last, p, r, inverse, colour):
-    """The first half sweep from p = 0: r over the diagonal in cells of a colour, 0 in the others."""
+    """The first half sweep from p = 0: r over the diagonal in cells of a colour; the others are set by the second."""
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            p[i, j, k] = np.float32(0.0)
         for k in range(np.uint64(first_of(columns, c, colour)), np.uint64(columns[c, 3]), TWO):
             p[i, j, k] = inverse[i, j, k] * r[i, j, k]
 
@@ -62,8 +60,12 @@ def smooth(columns, first, last, p, r, bx, by, bz, inverse, colour):
 
 
 @flow_kernel
-def restrict(columns, first, last, fx, fy, fz, p, r, bx, by, bz, diagonal, coarse):
-    """coarse = sum over the fx × fy × fz fine cells of r - A p. The columns are the coarse ones."""
+def restrict(columns, first, last, fx, fy, fz, alone, p, r, bx, by, bz, diagonal, coarse):
+    """coarse = sum over the fx × fy × fz fine cells of r - A p. The columns are the coarse ones.
+
+    alone: no cell has a neighbour of its own colour (as across joined sides an odd number of cells apart). Then only
+    those of colour 0 count: the last half sweep has left nothing in the others.
+    """
     nx, ny, nz = diagonal.shape
     for c in range(first, last):
         m = columns[c, 0]
@@ -71,25 +73,30 @@ def restrict(columns, first, last, fx, fy, fz, p, r, bx, by, bz, diagonal, coars
         i1 = min((m - G) * fx + G + fx, nx - G)
         j1 = min((n - G) * fy + G + fy, ny - G)
         for o in range(columns[c, 2], columns[c, 3]):
-            k1 = min((o - G) * fz + G + fz, nz - G)
+            k0 = (o - G) * fz + G
+            k1 = min(k0 + fz, nz - G)
             total = np.float32(0.0)
             for i in range((m - G) * fx + G, i1):
                 for j in range((n - G) * fy + G, j1):
-                    for k in range(np.uint64((o - G) * fz + G), np.uint64(k1)):
+                    begin_k = np.uint64(k0 + ((i + j + k0) & 1) if alone else k0)
+                    for k in range(begin_k, np.uint64(k1), TWO if alone else ONE):
                         if diagonal[i, j, k] != 0.0:
                             total += r[i, j, k] - diagonal[i, j, k] * p[i, j, k] + _neighbours(bx, by, bz, p, i, j, k)
             coarse[m, n, o] = total
 
 
 @flow_kernel
-def prolong(columns, first, last, fx, fy, fz, coarse, inverse, p):
-    """p += coarse value over each liquid cell. The columns are the fine ones."""
+def prolong(columns, first, last, fx, fy, fz, alone, coarse, inverse, p):
+    """p += coarse value over each liquid cell; alone: of colour 0, the next half sweep sets the others.
+
+    The columns are the fine ones.
+    """
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
         m = (i - G) // fx + G
         n = (j - G) // fy + G
-        for k in range(columns[c, 2], columns[c, 3]):
+        for k in range(first_of(columns, c, 0) if alone else columns[c, 2], columns[c, 3], 2 if alone else 1):
             if inverse[i, j, k] != 0.0:
                 p[i, j, k] += coarse[m, n, (k - G) // fz + G]
 
@@ -116,7 +123,7 @@ def _sweeps(times, begun, columns, first, last, p, r, bx, by, bz, inverse, colou
 def cycle_below(table, columns, P, R, BX, BY, BZ, inverse, diagonal, joined):
     """The part of a V-cycle from the table's first level on: P of that level, for its R.
 
-    table (levels, 9) int64: offset into the flat arrays, shape, rows of its columns, factors to the next level.
+    table (levels, 10) int64: offset into the flat arrays, shape, rows of its columns, factors to the next level, alone.
     BX, BY, BZ: None in directions of one cell. joined (3,): periodic.
     """
     n = table.shape[0]
@@ -128,16 +135,18 @@ def cycle_below(table, columns, P, R, BX, BY, BZ, inverse, diagonal, joined):
         by = _level(table, at, BY)
         bz = _level(table, at, BZ)
         first, last = table[at, FIRST], table[at, LAST]
-        fx, fy, fz = table[at, FX], table[at, FY], table[at, FZ]
+        fx, fy, fz, alone = table[at, FX], table[at, FY], table[at, FZ], table[at, ALONE]
         if down:
             begin(columns, first, last, p, r, v, 0)
             join_cells(p, joined[0], joined[1], joined[2])
             _sweeps(LAST_SWEEPS if at == n - 1 else SWEEPS, 1, columns, first, last, p, r, bx, by, bz, v, 0, joined)
             if at < n - 1:
                 below = _level(table, at + 1, R)
-                restrict(columns, table[at + 1, FIRST], table[at + 1, LAST], fx, fy, fz, p, r, bx, by, bz, d, below)
+                restrict(
+                    columns, table[at + 1, FIRST], table[at + 1, LAST], fx, fy, fz, alone, p, r, bx, by, bz, d, below
+                )
         else:
-            prolong(columns, first, last, fx, fy, fz, _level(table, at + 1, P), v, p)
+            prolong(columns, first, last, fx, fy, fz, alone, _level(table, at + 1, P), v, p)
             join_cells(p, joined[0], joined[1], joined[2])
         if at == n - 1 or not down:
             _sweeps(LAST_SWEEPS if at == n - 1 else SWEEPS, 0, columns, first, last, p, r, bx, by, bz, v, 1, joined)

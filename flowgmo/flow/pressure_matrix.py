@@ -142,6 +142,23 @@ def clear(columns, first, last, a):
 
 
 @flow_kernel
+def foresee(columns, first, last, p, before, factor, wet, q):
+    """q = factor (p + (p - before) / 2), between factor p / 2 and 2 factor p, in liquid cells: a first guess.
+
+    Half of the last change: in a splash the whole of it is no better (5.4 and 5.5 iterations a step, 6.7 with p).
+    """
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            now = p[i, j, k]
+            guess = 1.5 * now - 0.5 * before[i, j, k]
+            low = min(0.5 * now, 2.0 * now)
+            high = max(0.5 * now, 2.0 * now)
+            q[i, j, k] = factor * min(max(guess, low), high) if wet[i, j, k] != 0 else q[i, j, k]
+
+
+@flow_kernel
 def scale_into(columns, first, last, a, factor, out):
     """out = factor a."""
     for c in range(first, last):

@@ -28,6 +28,7 @@ from flowgmo.flow.pressure_matrix import (
     clear,
     diagonals,
     face_coefficients,
+    foresee,
     open_volume,
     scale_into,
     scale_liquid,
@@ -240,11 +241,19 @@ class Projector:
                 )  # fmt: skip
 
     def project(
-        self, velocity: list, p: np.ndarray, F: np.ndarray | None, dt: float, tolerance: float, most: int
+        self,
+        velocity: list,
+        p: np.ndarray,
+        F: np.ndarray | None,
+        dt: float,
+        tolerance: float,
+        most: int,
+        before: np.ndarray | None = None,
     ) -> Solved:
-        """Change velocity [u, v, w] and p (the first guess, then the result) so that what is above holds.
+        """Change velocity [u, v, w] and p (of the last step, then the result) so that what is above holds.
 
-        tolerance: largest share of a cell that its faces may miss within dt. `set_surface` was called with this F.
+        before: p of the step before the last one, for the first guess. tolerance: largest share of a cell that its
+        faces may miss within dt. `set_surface` was called with this F.
         Returns how it went; on failure velocity and p are as they were.
         """
         run, m, voids = self.team.run, self.matrix, self.voids
@@ -255,6 +264,8 @@ class Projector:
         guess = self.beta is not None or not self.sealed.may_be_full(cells_in(m.columns))
         self.ease_gravity(velocity, dt)
         voids.begin(velocity, m.b, F, self.q, self.wet, dt, guess)
+        if before is not None:
+            run(foresee, m.faces, p, before, dt / self.rho, self.wet, self.q)
         iterations, again, release, last = 0, True, guess, self.solves + MOST_SOLUTIONS
         while again:
             self._set_matrix(dt)

@@ -60,7 +60,10 @@ def _advance(liquid: Liquid, old: list, F: np.ndarray | None, share: float, dt: 
         if a is not None:
             liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], u, a, share * dt, out)
     liquid.sides.let_out(old, new, dt, F)
-    liquid.sides.fill_velocity(new)
+    if liquid.momentum.implicit:
+        liquid.sides.fill_velocity(new)
+    else:
+        liquid.sides.fill_normal(new)  # the pressure comes next, which needs no more
 
 
 def _continue(liquid: Liquid, flow: Flow, velocity: list) -> None:
@@ -86,7 +89,13 @@ def project(liquid: Liquid, flow: Flow, dt: float) -> Solved:
     liquid.p[...] = flow.p
     try:
         solved = liquid.projector.project(
-            new, liquid.p, flow.F, dt, TOLERANCE * plan.pressure.tolerance, plan.pressure.most_iterations
+            new,
+            liquid.p,
+            flow.F,
+            dt,
+            TOLERANCE * plan.pressure.tolerance,
+            plan.pressure.most_iterations,
+            flow.p_before,
         )
     except PressedTogether as error:
         raise StepFailed(str(error)) from error

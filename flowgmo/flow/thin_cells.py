@@ -10,7 +10,7 @@ which shortens everybody's step. With phi the thin cell has (nearly) its neighbo
 cell, and for V -> 0 the wall on the mesh plane is met continuously: there no pressure is needed. Pressure and gravity
 act alike, so that liquid at rest stays at rest.
 
-Viscous forces are not raised by 1 / phi: where they rule, phi is 1 (`inertia_rules`), and slivers are as
+Viscous forces are not raised by 1 / phi: where they rule, phi is 1 (liquid.inertia_rules), and slivers are as
 cut_viscosity.py has them. For V >= A / 2 nothing changes: smooth walls through the middle of cells keep their order.
 """
 
@@ -20,21 +20,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowgmo.flow.fields import G, Grid, Open
-from flowgmo.flow_plan import FluidPlan, speed_in_sight
+from flowgmo.flow.fields import G, Open
 from flowgmo.kernel import flow_kernel, inner
 
-HIGH = 100.0  # Reynolds number of a cell: its viscous forces are a hundredth of what turns the flow
 LEAST = 0.02  # phi: thinner cells are as good as joined, and more would only spoil the matrix
-
-
-def inertia_rules(plan: FluidPlan, grid: Grid, gravity: np.ndarray) -> bool:
-    """Whether the Reynolds number of a cell at the largest speed in sight is far above one."""
-    if not plan.mu:
-        return True
-    extent = np.array([d[G:-G].sum() for d in grid[:3]])
-    cell = min(float(d[G:-G].min()) for d in grid[:3] if len(d) > 1 + 2 * G)
-    return plan.rho * speed_in_sight(plan, gravity, extent) * cell > HIGH * plan.mu
 
 
 class ThinFaces(NamedTuple):
