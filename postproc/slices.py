@@ -94,7 +94,8 @@ def draw_slice(folder: Path, path: Path, t: float | None, axis: int | None, posi
     figure, axes = _figure(cut)
     length = str(fields.file["x"].attrs.get("unit", ""))
     when = clock(fields.times[k], fields.times[-1], str(attrs.get("time_unit", "")))
-    style.headline(figure, f"{attrs.get('title', '')}, {when}, {'xyz'[axis]} = {position:.4g} {length}".strip(", "), 12)
+    where = f"{when}, {'xyz'[axis]} = {position:.4g} {length}".strip()
+    style.headline(figure, str(attrs.get("title", "")), 12, where)
     _draw_panels(figure, axes, cut, group)
     stacked = axes[0].get_subplotspec().get_gridspec().nrows > 1
     for ax in axes[-1:] if stacked else axes:
@@ -154,7 +155,7 @@ def _panel(
         solid = np.ma.masked_where(cut.V > 0, np.ones(cut.V.shape))
         axes.pcolormesh(*cut.planes, solid.T, cmap=LinearSegmentedColormap.from_list("solid", (SOLID, SOLID)))
         axes.add_collection(LineCollection(_lines(cut), colors=LINE, linewidths=0.35))
-    figure.colorbar(image, ax=axes, label=name, pad=0.015, aspect=14)
+    figure.colorbar(image, ax=axes, label=name, pad=0.015, aspect=14).ax.tick_params(labelsize=9)
     flat = _true_height(*(float(np.ptp(p)) for p in cut.planes)) < LEAST
     axes.set_aspect("auto" if flat else "equal")
     axes.grid(False)

@@ -66,6 +66,8 @@ def draw_strip(results: Results, names: list[str], width: float, notice: Callabl
     try:
         scene = Scene(results)
         times = np.unique([scene.shown_time(t) for t in _picture_times(results, names)])
+        if not (results.bodies or scene.has_liquid):  # all pictures would be the same
+            times = times[:1]
         frame = frame_of(scene)
         wide, high = silhouette("iso", frame)
         columns = min(next(n for n, most in BESIDE if wide <= most * high), len(times))

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 EDGE = 0.012  # of a figure's width, beside its title
+ON_PIXELS = 1.03  # letters are set on whole pixels, which widens a line (measured: by 2.6 % at size 12, .8 % at 16)
 SMALL, HANDLE = 9.5, 0.42  # of a legend above a plot: font size; width of an entry beside its text [inches]
 GAP = 0.15  # inches between the title and the legend
 LINES = ("-", "--", ":", "-.")
@@ -97,15 +98,16 @@ def text_width(text: str, size: float, bold: bool = False) -> float:
     return text_to_path.get_text_width_height_descent(text, font, False)[0] / 72
 
 
-def headline(figure: Figure, text: str, size: float) -> None:
-    """The title of a figure, on as many lines as its width asks for, three at most."""
-    room = (1 - 2 * EDGE) * figure.get_figwidth()
+def headline(figure: Figure, text: str, size: float, below: str = "") -> None:
+    """The title of a figure, on as many lines as its width asks for, three at most, and a line of its own below it."""
+    room = (1 - 2 * EDGE) * figure.get_figwidth() / ON_PIXELS
     letters = max(1, len(text))
     while True:
         lines = textwrap.wrap(text, letters, max_lines=3, placeholder=" …") if letters > 4 else [text[:4]]
         if letters <= 4 or max((text_width(line, size, True) for line in lines), default=0.0) <= room:
             break
         letters -= 1
+    lines = [line for line in (*lines, below) if line]
     figure.suptitle(plain("\n".join(lines)), fontsize=size, fontweight="bold", x=EDGE, ha="left")
 
 

@@ -4,8 +4,8 @@ import pytest
 
 
 def test_still_water_stays_still(runs):
-    # Measured: 5e-13 of sqrt(g H), volume error 0. 1e-8 would reveal a pressure that does not balance gravity in a cut
-    # cell, or residuals that add up from step to step.
+    # Measured: 1.7e-12 of sqrt(g H), volume error 0; after 10 000 steps 1.4e-12, 6e-15. 1e-8 would reveal a pressure
+    # that does not balance gravity in a cut cell, or residuals that add up from step to step.
     found = runs.measure.measure(runs.results("still_water", "still"), "still_water", "still")
     assert found["largest speed over sqrt(g H)"] <= 1e-8
     assert found["volume error"] <= 1e-10
@@ -13,8 +13,9 @@ def test_still_water_stays_still(runs):
 
 @pytest.mark.slow
 def test_dam_break_on_the_coarse_mesh(runs):
-    # Measured: P1 -4.9 %, P2 -5.2 %, impulse +4.5 %, heights 4.1 and 2.5 %, arrival +5.1 %, books 0. The bounds are
-    # those of VALIDATION D for twice as many cells each way, but heights (5 %) and arrival (6 %).
+    # Measured: P2 -13 %, impulse +3.6 %, heights 4.2 and 2.3 %, arrival +4.6 %, books 0; P1 +73 %, which fails: it is
+    # the blow that stops the front, whose peak depends on the steps (the page, "The blow"); later P1 is -11 %.
+    # The bounds are those of VALIDATION D for twice as many cells each way, but heights (5 %) and arrival (6 %).
     found = runs.measure.measure(runs.results("dam_break", "coarse"), "dam_break", "coarse")
     assert abs(found["P1 peak"] / 11239.0 - 1.0) <= 0.2
     assert abs(found["P2 peak"] / 8127.0 - 1.0) <= 0.2
@@ -25,7 +26,7 @@ def test_dam_break_on_the_coarse_mesh(runs):
 
 
 def test_sloshing(runs):
-    # Measured: -.01 % of the period, -1.3 % of the amplitude in four periods. VALIDATION D allows .5 %; .2 % fails
+    # Measured: -.02 % of the period, -1.7 % of the amplitude in four periods. VALIDATION D allows .5 %; .2 % fails
     # where the last pressure meets the new surface (first_stage.py): short waves, -.3 %. Growth would
     # reveal a surface moved with velocities that are not the projection's.
     found = runs.measure.measure(runs.results("sloshing", "sloshing"), "sloshing", "sloshing")
@@ -36,8 +37,8 @@ def test_sloshing(runs):
 
 @pytest.mark.slow
 def test_martin_moyce(runs):
-    # Measured: 2.9 %, 8.6 % at the dent of the measured curve, 5.4 %. A floor without friction, or one cell for all of
-    # the thin front, gives 6 to 7 % in the mean.
+    # Measured: 2.8 %, 8.6 % at the dent of the measured curve, 5.3 %. A floor without friction, or one cell for all of
+    # the thin front, gives 7 to 8 % in the mean.
     found = runs.measure.measure(runs.results("martin_moyce", "martin_moyce"), "martin_moyce", "martin_moyce")
     assert found["mean error of the front, delayed"] <= 0.04
     assert found["largest error of the front, delayed"] <= 0.1
@@ -47,7 +48,7 @@ def test_martin_moyce(runs):
 
 @pytest.mark.slow
 def test_wall_impact(runs):
-    # Measured: peak 1.76, arrival -1.7 %, impulse +11 %, .92 at T = 4. Peak and arrival as in VALIDATION D; an impulse
+    # Measured: peak 1.76, arrival -2.1 %, impulse +11 %, .92 at T = 4. Peak and arrival as in VALIDATION D; an impulse
     # beyond 15 % would reveal a front that hits as a wall of water, not as a tongue. .85: Ritter's stream, stagnant.
     found = runs.measure.measure(runs.results("wall_impact", "wall_impact"), "wall_impact", "wall_impact")
     assert 0.8 * 1.77 <= found["peak over rho g H"] <= 1.2 * 1.98
@@ -58,7 +59,7 @@ def test_wall_impact(runs):
 
 
 def test_ritter(runs):
-    # Measured: 1.26 and .91 %, .4495 and .4475, front -1.7 and -1.2 %. VALIDATION D allows 3 %. The depth at the dam
+    # Measured: 1.27 and .93 %, .4495 and .4475, front -1.7 and -1.2 %. VALIDATION D allows 3 %. The depth at the dam
     # comes down to 4/9 like 1 / T: at first the water there falls, which shallow water does not know. A front that
     # sticks or runs ahead would show in its place.
     found = runs.measure.measure(runs.results("ritter", "ritter"), "ritter", "ritter")
