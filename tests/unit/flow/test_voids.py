@@ -6,6 +6,7 @@ from flowgmo_pressure import NO_SOLIDS, RHO, block_of, g, net_outflow, projector
 
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.fields import G, Open, grid_of, zeros
+from flowgmo.flow.lids import SHARE
 from flowgmo.flow.projection import Projector
 from flowgmo.flow.sealed import PressedTogether
 from flowgmo.flow.team import Team
@@ -13,6 +14,7 @@ from flowgmo.flow_plan import SidePlan
 from flowgmo.mesh import VELOCITY, WALL
 
 INSIDE = (slice(G, -G),) * 3
+STEP = SHARE  # of much room
 DT = 1e-3
 
 
@@ -166,7 +168,7 @@ def test_what_leaves_the_lid_falls_freely():
 
 
 def test_the_bound_keeps_a_cell_from_overflowing():
-    """A column rises faster than what is left lets it: half the room is filled, and the column goes no faster."""
+    """A column rises faster than what is left lets it: a share of the room is filled, and the column goes no faster."""
     block, dt = block_of((1, 1, 10), graded=False), 0.05
     P = projector(block)
     F = filled_up(block, 2, True, 0.8)
@@ -176,7 +178,7 @@ def test_the_bound_keeps_a_cell_from_overflowing():
     P.sides.fill_fraction(F)
     P.set_surface(F)
     assert P.project(velocity, zeros(block), F, dt, 1e-12, 40).converged
-    assert np.abs(velocity[2][G, G, G + 3 : -G - 1] - 0.5 * 0.2 * 0.1 / dt).max() <= 1e-9
+    assert np.abs(velocity[2][G, G, G + 3 : -G - 1] - STEP * 0.2 * 0.1 / dt).max() <= 1e-9
 
 
 def cut_wall(block, share):
@@ -191,8 +193,8 @@ def cut_wall(block, share):
 
 @pytest.mark.parametrize("share", [0.05, 0.3, 0.7])
 def test_a_front_fills_a_cut_cell_before_it_stops(share):
-    """Liquid runs against a wall inside a cell: half of what is open there flows in, whatever the speed; the cell has
-    a pressure then. Unbound, all comes in and is stopped in the next step: 50 kPa on the box of dam_break, now 9.5."""
+    """Liquid runs against a wall inside a cell: a share of what is open there flows in, whatever the speed; the cell
+    has a pressure then. Unbound, all comes in and is stopped in the next step: 50 kPa on the box of dam_break."""
     block, dt = block_of((10, 1, 6), graded=False), 0.04
     P = projector(block, openings=cut_wall(block, share), gravity=(0.0, 0.0, 0.0))
     F = zeros(block)
@@ -204,7 +206,7 @@ def test_a_front_fills_a_cut_cell_before_it_stops(share):
     p = zeros(block)
     assert P.project(velocity, p, F, dt, 1e-12, 60).converged
     inflow = -velocity[0][G, G, G:-G] * dt / 0.1  # in shares of a cell; all of it liquid
-    bound = 0.5 * share
+    bound = STEP * share
     if bound < 0.4:  # what would come in
         assert P.voids.shut_pockets.all() and len(P.voids.pockets) == 6
         assert np.abs(inflow - bound).max() <= 1e-9
@@ -243,7 +245,7 @@ def test_the_last_void_takes_what_flows_in(where):
     gained = fill(P, block, F, dt)
     expected = np.zeros((8, 8, 8))
     expected[where] = speed
-    assert speed * dt < 0.5 * room
+    assert speed * dt < STEP * room
     assert np.abs(gained - expected).max() <= 3e-9 / dt
 
 
