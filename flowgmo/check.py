@@ -17,7 +17,13 @@ STATE_BYTES = 200  # one body: the State's arrays and their copy in a step
 ROW_BYTES = 240  # one body in one history row: up to 10 vectors of 8-byte numbers
 STEP_SECONDS = 4e-7  # one free body, one step: tests/cost/bench.py on a 2-core virtual machine
 STEP_OVERHEAD = 5e-5  # one step of Python around the kernels, from the same
-WET_SECONDS = 1e-6  # one cell with liquid, one step: the aim for SPHERIC 2 on two cores, not a measurement yet
+# One step of liquid: overhead, and one cell with liquid [seconds]. A fit, to a factor of 2, of decks on a 2-core
+# virtual machine. With a surface: ritter 2.7 ms (1360 wet cells), still 3.5 (1850), wall_impact 3.3 (2600), coarse 19
+# to 22 (10 700), spheric2 62 to 94 (84 000 to 100 000). Without: plane .6 ms (64), cavity 1.4 (4100), re1000 2.3
+# (9200), cylinder 3.8 (10 300)
+WET_STEP = {True: (2e-3, 9e-7), False: (1e-3, 2.5e-7)}
+START_SECONDS = 1.0  # loading kernels, set-up, the first and the last output, from the same
+SAMPLES = 64000  # points of the domain in which liquid at the start is looked for: 10 ms for a few boxes
 
 
 def summary(model: Model) -> list[RenderableType]:
@@ -50,42 +56,87 @@ def _steps(model: Model, dt: float) -> int:
 
 def _wet_cost(model: Model, fluid: FluidPlan, memory: float, rows: int) -> str:
     memory += sum(mesh_bytes(block) for block in model.mesh.blocks)
-    dt = model.clock.dt if fluid.steps.adapt == 0 else _expected_step(model, fluid)
-    steps, share = _steps(model, dt), _wet_share(model, fluid)
-    seconds = steps * (STEP_OVERHEAD + model.mesh.cells * share * WET_SECONDS)
+    height, wet = _at_start(model, fluid)
+    dt = _expected_step(model, fluid, height, wet)
+    steps, share = _steps(model, dt), float(wet.mean())
+    overhead, each = WET_STEP[fluid.free_surface]
+    seconds = START_SECONDS + steps * (overhead + model.mesh.cells * share * each)
     return (
         f"{model.mesh.cells} cells, {100 * share:.0f} % with liquid at the start, about {steps} steps of {dt:.2g}, "
         f"{rows} history rows; at most {_bytes(memory)} beside the program, and about {tables.duration(seconds)} of "
-        "wall time if the liquid stays as much"
+        "wall time on two cores if the liquid stays as much"
     )
 
 
-def _expected_step(model: Model, fluid: FluidPlan) -> float:
-    """A guess of the steps' length: the Courant number in the smallest cell at the largest speed that is in sight."""
+def _expected_step(model: Model, fluid: FluidPlan, height: np.ndarray, wet: np.ndarray) -> float:
+    """A guess of the steps' length by what bounds them (flow/time_step.py); height, wet as of _at_start.
+
+    The Courant number is a sum over directions; liquid that falls or splashes is taken to cross cells along each at
+    half of the largest speed. In mean steps of whole runs: still 1.0, cavity 1.0, wall_impact 1.05, coarse 1.2,
+    cylinder 1.4, martin_moyce .65, sloshing .6, ritter .45; spheric2 2, which throws thin jets.
+    """
     shape, planes = model.mesh.blocks[0].shape, model.mesh.blocks[0].planes
-    size = min(float(np.diff(x).min()) for x, n in zip(planes, shape, strict=True) if n > 1)
-    gravity = model.gravity if fluid.free_surface else np.zeros(3)
-    speed = speed_in_sight(fluid, gravity, np.ptp(model.mesh.bounds, axis=0))
-    largest = min(float(model.clock.dt_max.spacing.max()), model.clock.end)
-    step = min(fluid.steps.courant * size / speed, largest) if speed > 0.0 else model.clock.dt
-    return max(step, model.clock.dt_min)
+    sizes = np.array([float(np.diff(x).min()) for x, n in zip(planes, shape, strict=True) if n > 1])
+    g = float(np.linalg.norm(model.gravity))
+    least = model.clock.end
+    with np.errstate(over="ignore", divide="ignore"):
+        speed = speed_in_sight(fluid, np.zeros(3), np.zeros(3))
+        if fluid.free_surface:
+            speed = max(speed, np.sqrt(2.0 * g * _fall(fluid, model, height, wet)))
+            least = min(least, fluid.steps.surface_courant * np.sqrt(sizes.min() / (np.pi * np.float64(g))))
+        rate = speed * (1.0 / sizes).sum() / min(len(sizes), 2) / fluid.steps.courant
+        if fluid.mu is not None and not fluid.implicit_viscosity:
+            rate += fluid.mu / fluid.rho * (2.0 / sizes**2).sum()
+        least = min(least, 1.0 / np.float64(rate))
+    if rate == 0.0 and not fluid.free_surface:
+        return model.clock.dt  # what sets it in motion is not known
+    return max(min(least, float(model.clock.dt_max.spacing.max())), model.clock.dt_min)
 
 
-def _wet_share(model: Model, fluid: FluidPlan) -> float:
-    """About the part of the mesh that holds liquid at the start; regions count as their boxes."""
-    start, (lo, hi) = fluid.start, model.mesh.bounds
+def _at_start(model: Model, fluid: FluidPlan) -> tuple[np.ndarray, np.ndarray]:
+    """Height against gravity [length] of points spread over the domain, and which lie in liquid at the start (n,).
+
+    Solids are left out of account: they may be meshes of many triangles.
+    """
+    directions = [n > 1 for n in model.mesh.blocks[0].shape]
+    count = int(SAMPLES ** (1.0 / max(sum(directions), 1)))
+    lo, hi = model.mesh.bounds
+    shares = [(np.arange(n) + 0.5) / n for n in (count if there else 1 for there in directions)]
+    axes = [a + (b - a) * x for a, b, x in zip(lo, hi, shares, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    height = points @ _upwards(model)
+    start = fluid.start
     if not fluid.free_surface:
-        return 1.0
-    share = 0.0
+        return height, np.ones(len(points), bool)
+    wet = np.zeros(len(points), bool)
     if start.height is not None:
-        share = float(np.clip((start.height - lo[2]) / (hi[2] - lo[2]), 0.0, 1.0))
+        wet = points[:, 2] < start.height
     elif start.volume is not None:
-        share = start.volume / float(np.prod(hi - lo))
+        wet = height <= np.quantile(height, min(start.volume / float(np.prod(hi - lo)), 1.0))
     for region in start.regions:
-        if region.adds:
-            box = np.clip(region.shape.bounds(), lo, hi)
-            share += float(np.prod((box[1] - box[0]) / (hi - lo)))
-    return min(share, 1.0)
+        wet[region.shape.distance(points) < 0.0] = region.adds
+    return height, wet
+
+
+def _upwards(model: Model) -> np.ndarray:
+    g = float(np.linalg.norm(model.gravity))
+    return -model.gravity / g if g > 0.0 else np.array([0.0, 0.0, 1.0])
+
+
+def _fall(fluid: FluidPlan, model: Model, height: np.ndarray, wet: np.ndarray) -> float:
+    """From the highest point with liquid, at the start or outside a side, to the lowest without [length]; 0: level."""
+    if wet.all():
+        return 0.0
+    highest = [float(height[wet].max())] if wet.any() else []
+    up, bounds = _upwards(model), model.mesh.bounds
+    for side in fluid.sides:
+        if side.height is not None:
+            highest.append(min(float(side.height.max()) * up[2], float(height.max())))
+        elif side.fraction is not None and side.fraction.max() > 0.0:
+            ends = np.where(up > 0.0, bounds[1], bounds[0])
+            ends[side.axis] = bounds[int(side.upper), side.axis]
+            highest.append(float(ends @ up))
+    return max(max(highest, default=0.0) - float(height[~wet].min()), 0.0)
 
 
 def _liquid(fluid: FluidPlan) -> list[str]:

@@ -11,6 +11,8 @@ from flowgmo.building.memory import check_memory
 from flowgmo.flow_plan import GROWTH, MOST_COURANT, CleanUp, FluidPlan, PressurePlan, StepPlan
 from flowgmo.mesh import Mesh
 
+#: what the pressure does to the step; multigrid needs 3 to 9 iterations at any step, so that their number says nothing
+PRESSURE_STEPS = "one whose pressure takes more than itmax iterations is tried again with half its length"
 TRACKING = {4: "donor", 6: "plic"}  # 3 and 5 are read as 4 and 6 (deck/store.py)
 
 
@@ -68,6 +70,12 @@ def _steps(found: Findings) -> StepPlan:
     if courant > MOST_COURANT:
         found.notice("CON", wrong=f"taken as con={MOST_COURANT}, up to which the liquid's fractions stay within bounds")
         courant = MOST_COURANT
+    if deck["AUTOT"] == 0.0:
+        found.notice("AUTOT", wrong="steps are delt, and shorter where longer ones would not be stable")
+    elif deck["AUTOT"] == 2.0:
+        found.notice("AUTOT", wrong=f"taken as autot=1: {PRESSURE_STEPS}")
+    if deck.given("ITDTMX"):
+        found.notice("ITDTMX", wrong=f"this shortens no step: {PRESSURE_STEPS}")
     return StepPlan(
         adapt=int(deck["AUTOT"]), courant=courant, surface_courant=float(deck["CONFS"]), growth=GROWTH,
     )  # fmt: skip

@@ -71,6 +71,7 @@ def _check_limits_belong(found: Findings, numbers: list[int]) -> None:
 def build_loads(found: Findings, bodies: tuple[Body, ...]) -> tuple[LoadPlan, ...]:
     """Stationary components with IFRCO = 1."""
     deck = found.deck
+    _note_references(found, bodies)
     return tuple(
         LoadPlan(
             body=body.number,
@@ -80,6 +81,18 @@ def build_loads(found: Findings, bodies: tuple[Body, ...]) -> tuple[LoadPlan, ..
         for body in bodies
         if body.kind == SOLID and deck.at("IFRCO", body.number) == 1
     )
+
+
+def _note_references(found: Findings, bodies: tuple[Body, ...]) -> None:
+    """Notices: what of &OBS says nothing of a component that stands still."""
+    deck = found.deck
+    for body in (body for body in bodies if body.kind == SOLID):
+        n = body.number
+        if deck.at("IBUOYO", n) == 1:
+            found.notice("IBUOYO", n, wrong="recorded of bodies that the liquid moves only (imo=4)")
+        other = "IPREF" if deck.at("IPREF", n) == 2 else "PREFMBW" if deck.at("PREFMBW", n) != deck["PVOID"] else None
+        if other is not None and deck.at("IFRCO", n) == 1:
+            found.notice(other, n, wrong="the load on a component that stands still is that against pvoid")
 
 
 def check_probes(found: Findings, mesh: Mesh) -> None:

@@ -22,7 +22,7 @@ def build_clock(found: Findings) -> ClockPlan:
         end=float(deck["TWFIN"]),
         dt=float(deck["DELT"]),
         dt_min=float(deck["DTMIN"]),
-        dt_max=_intervals(deck, "TDTMAX", "TEDITDT"),
+        dt_max=_largest_steps(deck),
         last_step=int(deck["ITWFIN"]),
     )
     least = max(clock.dt_min, float(np.spacing(min(clock.end, _reach(clock)))))  # t + dt must differ from t
@@ -40,6 +40,14 @@ def build_clock(found: Findings) -> ClockPlan:
                 write="Write a larger tdtmax, or a smaller dtmin",
             )  # fmt: skip
     return clock
+
+
+def _largest_steps(deck: Deck) -> Intervals:
+    """TDTMAX; with AUTOT=0 no step of a wet scene is longer than DELT either (one of a dry scene is DELT anyway)."""
+    largest = _intervals(deck, "TDTMAX", "TEDITDT")
+    if deck.given("RHOF") and deck["AUTOT"] == 0.0:
+        return Intervals(spacing=np.minimum(largest.spacing, float(deck["DELT"])), ends=largest.ends)
+    return largest
 
 
 def build_output(found: Findings, clock: ClockPlan) -> OutputPlan:

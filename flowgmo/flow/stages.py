@@ -39,7 +39,7 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     add = liquid.momentum.add_accelerations
     gradients = liquid.projector.gradients(flow.p, liquid.momentum.slivers, old)
     liquid.sides.loosen(old, flow.F, DUST)
-    add(liquid.faces, old, flow.F, liquid.acceleration, dt, gradients)
+    add(liquid.faces, old, flow.F, liquid.acceleration, dt, gradients, t1 - dt)
     if flow.F is not None:
         liquid.sides.tighten(old)
     _advance(liquid, old, flow.F, 1.0, dt, new)

@@ -19,6 +19,9 @@ wall square to c nothing. Between them: min(|W|, sqrt(2) |W without c|), exact a
 open to the full, walls lie on its faces, each d = half a width away.
 
 Roughness is not in this stress; it would shorten d.
+
+A side whose table changes in time slides at another speed in every stage of a step: u_wall of the stage's own time, so
+that the stress is of second order in time as the rest is (momentum.py). Only speeds change, s and the faces stay.
 """
 
 from __future__ import annotations
@@ -38,12 +41,14 @@ class SideWalls(NamedTuple):
     """Faces of one component beside no-slip sides of the domain; in an edge both sides together.
 
     rows (n, 4) int32 as columns of one cell; s [1/length2] (n,); speed (n,) [length/time] of the wall along the
-    component.
+    component; c the component; shares (n, 6) [-] of s that each side makes.
     """
 
     rows: Array
     s: Array
     speed: Array
+    c: int
+    shares: Array
 
 
 def find_side_walls(
@@ -70,14 +75,26 @@ def find_side_walls(
             i, j, k, share = i[keep], j[keep], k[keep], share[keep]
         s = share * (2.0 / widths[d][ranges[d][0]] ** 2)
         rows = np.column_stack([i, j, k, k + 1]).astype(np.int32)
-        parts.append((rows, s, np.full(i.size, speeds[side, c])))
+        parts.append((rows, s, np.full(i.size, side)))
     if not parts:
         return None
-    rows, s, speed = (np.concatenate(a) for a in zip(*parts, strict=True))
+    rows, s, of_side = (np.concatenate(a) for a in zip(*parts, strict=True))
     rows, of = np.unique(rows, axis=0, return_inverse=True)
     of = of.ravel()
     total = np.bincount(of, s)
-    return SideWalls(rows, total, np.bincount(of, s * speed) / total)
+    shares = np.zeros((len(rows), 6))
+    shares[of, of_side] = s / total[of]
+    walls = SideWalls(rows, total, np.zeros(len(rows)), c, shares)
+    slide(walls, speeds)
+    return walls
+
+
+def slide(walls: SideWalls, speeds: Array) -> None:
+    """Set walls.speed to sides moving at speeds (6, 3) [length/time]; in an edge the mean of both by their shares."""
+    speed, along = walls.speed, speeds[:, walls.c]
+    speed.fill(0.0)
+    for side in np.flatnonzero(along):
+        speed += walls.shares[:, side] * along[side]
 
 
 def _open_share(open: Open, at: tuple[Array, Array, Array], c: int, d: int, side: int) -> Array:

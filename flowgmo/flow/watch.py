@@ -119,13 +119,20 @@ def watch_of(
 
 
 def between(before: Values, after: Values, t0: float, t1: float, asked: np.ndarray) -> dict[str, np.ndarray]:
-    """Values at times asked (k,) in (t0, t1], linear between those at t0 and t1; name -> (k,) or (k, 3)."""
+    """Values at times asked (k,) in (t0, t1], linear between those at t0 and t1; name -> (k,) or (k, 3).
+
+    At t1 they are those of t1, whatever was before: an energy beyond the range of numbers is infinite, and 0 times that
+    is not a number.
+    """
     share = (np.asarray(asked, dtype=float) - t0) / (t1 - t0)
+    within = share < 1.0
     out = {}
     for name, last in after.items():
         first, last = np.asarray(before[name], dtype=float), np.asarray(last, dtype=float)
-        s = share.reshape(-1, *[1] * last.ndim)
-        out[name] = np.where(s == 1.0, last, (1.0 - s) * first + s * last)
+        s = share[within].reshape(-1, *[1] * last.ndim)
+        values = np.repeat(last[None], len(share), axis=0)
+        values[within] = (1.0 - s) * first + s * last
+        out[name] = values
     return out
 
 

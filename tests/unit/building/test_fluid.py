@@ -67,6 +67,31 @@ def test_the_courant_number_has_a_bound(build):
     assert model.fluid.steps.courant == 0.5 and any("con=0.9: taken as con=0.5" in n for n in model.notices)
 
 
+@pytest.mark.parametrize(
+    "blocks, words",
+    [
+        ({"xput": FREE + "autot=2.,"}, "autot=2.0: taken as autot=1: one whose pressure takes more than itmax"),
+        ({"xput": FREE + "autot=0.,"}, "autot=0.0: steps are delt, and shorter where longer ones would not be stable"),
+        ({"limits": "itdtmx=5"}, "itdtmx=5: this shortens no step"),
+        ({"obs": "nobs=1, iob(1)=1, zh(1)=.1, ibuoyo(1)=1"}, "ibuoyo(1)=1: recorded of bodies that the liquid moves"),
+        ({"obs": "nobs=1, iob(1)=1, zh(1)=.1, ifrco(1)=1, ipref(1)=2"}, "ipref(1)=2: the load on a component that"),
+        ({"obs": "nobs=1, iob(1)=1, zh(1)=.1, ifrco(1)=1, prefmbw(1)=5."}, "prefmbw(1)=5.0: the load on a component"),
+    ],
+)
+def test_what_is_computed_otherwise_is_said(build, blocks, words):
+    assert any(words in notice for notice in build(wet(**blocks)).notices)
+    plain = build(wet(obs="nobs=1, iob(1)=1, zh(1)=.1, ifrco(1)=1", xput=FREE + "autot=1.,"))
+    assert not plain.notices
+
+
+def test_steps_of_a_constant_length(build):
+    """AUTOT=0: no step is longer than DELT; in a dry scene that is so anyway."""
+    steps = build(wet(xput=FREE + "autot=0., delt=1e-3, tdtmax=5e-4, 1., teditdt=.1,")).clock
+    assert steps.dt_max.spacing.tolist() == [5e-4, 1e-3] and steps.dt_max.ends.tolist() == [0.1]
+    assert build(wet(xput=FREE + "autot=1., delt=1e-3,")).clock.dt_max.spacing.tolist() == [1e10]
+    assert build(wet(xput=FREE + "autot=0., delt=1e-3,", props="", fl="")).clock.dt_max.spacing.tolist() == [1e10]
+
+
 def test_effects_of_the_liquid(build):
     """Each with the line that turns it on; a dry scene has none of them."""
     xput = "twfin=2., itb=1, gz=-9.81,\n ifvisc=1, impvis=1,"

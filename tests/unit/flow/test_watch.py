@@ -169,6 +169,23 @@ def test_rows_are_linear_between_the_ends_of_a_step_and_exact_at_its_end():
     assert at_once(before)["b"].shape == (1, 3) and at_once(before)["a"].shape == (1,)
 
 
+@pytest.mark.filterwarnings("error")
+def test_rows_of_energies_beyond_the_range_of_numbers():
+    """As with rhof=1e308: infinite, without a warning (0 x infinity), and what is at the end is there to the bit."""
+    ends = {
+        "grows": (3.0, np.inf),
+        "falls": (np.inf, 0.1),
+        "stays": (np.inf, np.inf),
+        "vector": ([np.inf] * 3, [0.1] * 3),
+    }
+    before, after = ({name: np.array(both[end]) for name, both in ends.items()} for end in (0, 1))
+    rows = between(before, after, 1.0, 3.0, np.array([2.0, 3.0, 2.5, 3.0]))
+    inf = np.inf
+    assert rows["grows"].tolist() == [inf] * 4 and rows["stays"].tolist() == [inf] * 4
+    assert rows["falls"].tolist() == [inf, 0.1, inf, 0.1] and rows["vector"][1].tolist() == [0.1] * 3
+    assert between(before, after, 1.0, 3.0, np.array([3.0]))["falls"].tolist() == [0.1]
+
+
 def test_a_kept_value_does_not_follow_the_books():
     """`passed` goes on growing in place."""
     block, passed = block_of((5, 5, 5)), np.zeros(6)
