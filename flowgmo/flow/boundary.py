@@ -32,7 +32,8 @@ class Sides:
     """What holds on the six sides (`plans`, SidePlan) at one time.
 
     gravity (3,), rho: for the hydrostatic pressure under a given height (along z, as in the deck). streams: numbers of
-    the outflow sides through which the liquid streams from the start (let_out).
+    the outflow sides through which the liquid streams from the start (let_out). A (3,): open fractions of the faces,
+    None without solids.
     """
 
     def __init__(
@@ -43,12 +44,14 @@ class Sides:
         rho: float,
         gravity: np.ndarray,
         streams: Sequence[int] = (),
+        A: Sequence[np.ndarray | None] = (None, None, None),
     ) -> None:
         self.streams = frozenset(streams)
         self.plans, self.grid, self.z, self.rho, self.gravity = tuple(plans), grid, z, rho, gravity
         self.widths = (grid.dx, grid.dy, grid.dz)
         self.n = tuple(len(w) - 2 * G for w in self.widths)
         self.periodic = tuple(plans[2 * d].kind == PERIODIC for d in range(3))
+        self.wider = [_wider(A[m // 2], m // 2, self.n[m // 2], m % 2 == 1) for m in range(6)]
         self.set_time(0.0)
 
     def lower_face_acts(self, d: int) -> bool:
@@ -140,7 +143,9 @@ class Sides:
     ) -> None:
         """Predicted velocity on continuative, outflow, and pressure sides. The projection does the rest.
 
-        Continuative: as one face inside, the liquid goes on outside as it is, still water stays still. Outflow: what
+        Continuative: what passes one face inside, the liquid goes on outside as it is, still water stays still (what
+        passes, not how fast: through a gap that widens towards the side the speed of the gap would let out more than
+        the gap brings, the rest comes from beside, faster at every step, without bound). Outflow: what
         leaves is carried across the side at its own speed, u_t + u u_n = 0, and nothing comes back (Orlanski 1976, with
         the local speed); where no stream left at the start, water meets no liquid there (outflow.py). Pressure: where
         it leaves it gains what the face inside gains; what enters brings its own speed along, and gains gravity only.
@@ -161,9 +166,10 @@ class Sides:
                     _plane(new[d], d, side)[...] = _plane(old[d], d, side) + gained
                     continue
                 if kind == CONTINUATIVE:
-                    _plane(new[d], d, side)[...] = _plane(new[d], d, inside)
+                    _plane(new[d], d, side)[...] = _plane(new[d], d, inside) * self.wider[2 * d + upper]
                     continue
-                here, there = _plane(old[d], d, side) * sign, _plane(old[d], d, inside) * sign
+                here = _plane(old[d], d, side) * sign
+                there = _plane(old[d], d, inside) * sign * self.wider[2 * d + upper]
                 width = self.widths[d][side if upper else side + 1]
                 share = np.minimum(np.maximum(here, there).clip(0.0) * (dt / width), 1.0)
                 still = 2 * d + upper not in self.streams
@@ -294,6 +300,14 @@ def join_faces(b: Sequence[np.ndarray | None], periodic: Sequence[bool]) -> None
     for d in range(3):
         if periodic[d] and b[d] is not None:
             _plane(b[d], d, 1)[...] = _plane(b[d], d, b[d].shape[d] - 2 * G + 1)
+
+
+def _wider(A: np.ndarray | None, d: int, n: int, upper: bool) -> np.ndarray | float:
+    """Open area one face inside a side, in those of the side's own faces; 1 at most, and without solids."""
+    if A is None:
+        return 1.0
+    side, inside = _plane(A, d, n + 1 if upper else 1), _plane(A, d, n if upper else 2)
+    return np.minimum(inside, side) / np.where(side > 0.0, side, 1.0)
 
 
 def _plane(a: np.ndarray, d: int, k: int) -> np.ndarray:

@@ -23,7 +23,7 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
     plan = model.fluid
     grid = grid_of(block)
     solids = _solids(model)
-    sides = Sides(plan.sides, grid, block.z, plan.rho, model.gravity, _streams(model))
+    sides = Sides(plan.sides, grid, block.z, plan.rho, model.gravity, _streams(model), solids.open[1:])
     liquid = Liquid(plan, grid, solids, sides, model.gravity, threads or default_threads())
     for body, share in zip(model.bodies, solids.shares, strict=False):
         liquid.walls[body.number] = (share.cells, share.faces)
@@ -74,15 +74,7 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
     p = np.full(liquid.shape, start.pressure)
     F = None
     if model.fluid.free_surface:
-        F = initial_liquid(
-            block,
-            liquid.openings,
-            [body.shape for body in model.bodies],
-            [Region(region.shape, region.adds, region.fraction) for region in start.regions],
-            start.height,
-            start.volume,
-            tuple(model.gravity) if np.any(model.gravity) else (0.0, 0.0, -1.0),
-        )
+        F = _liquid_at_start(liquid, model)
     for region in start.regions:
         if region.adds:
             _set_region(block, region, velocity, p)
@@ -100,6 +92,24 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
     whole = total(liquid.team, columns, liquid.grid, liquid.openings, flow, model.fluid.rho, liquid.gravity, DUST)
     flow.start_volume = whole.volume
     return flow
+
+
+def _liquid_at_start(liquid: Liquid, model: Model) -> np.ndarray:
+    """F at t = 0. Raises FlowgmoError where the volume asked for is more than the solids leave open."""
+    (block,) = model.mesh.blocks
+    start = model.fluid.start
+    try:
+        return initial_liquid(
+            block,
+            liquid.openings,
+            [body.shape for body in model.bodies],
+            [Region(region.shape, region.adds, region.fraction) for region in start.regions],
+            start.height,
+            start.volume,
+            tuple(model.gravity) if np.any(model.gravity) else (0.0, 0.0, -1.0),
+        )
+    except ValueError as error:
+        raise FlowgmoError(f"{error}. Write a smaller vlin") from error
 
 
 def _set_region(block: object, region: object, velocity: list, p: np.ndarray) -> None:

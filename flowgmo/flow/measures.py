@@ -30,6 +30,9 @@ from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel, inner
 
+#: smallest square of F's change that tells a direction: F is known to 1e-16. Dust of 1e-155 gave 0 / 0 here
+NO_DROP = 1e-32
+
 
 class Totals(NamedTuple):
     """volume [length3], kinetic and potential [energy]; wet: how many cells hold liquid."""
@@ -58,7 +61,7 @@ def lean(F, V, i, j, k, grid, g):
     my = drop(F, V, i, j, k, 0, 1, 0)
     mz = drop(F, V, i, j, k, 0, 0, 1)
     size = mx * mx + my * my + mz * mz
-    if not size > 0.0:
+    if not size > NO_DROP:
         return 0.0
     away = 0.5 * (1.0 - F[i, j, k]) / size
     return -away * (

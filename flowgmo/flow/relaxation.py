@@ -47,7 +47,8 @@ def largest(columns, first, last, r, wx, wy, wz, worst):
         j = columns[c, 1]
         most = 0.0
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            most = max(most, abs(r[i, j, k]) / wz[k])
+            error = abs(r[i, j, k]) / wz[k]
+            most = max(most, error if error < np.inf else np.inf)  # a nan is no small error
         worst[c] = most / (wx[i] * wy[j])
 
 
@@ -69,7 +70,7 @@ class Relaxation:
         """Improve x until |right - A x| <= tolerance times the volume of each cell; iterations are sweeps."""
         before = after = self._error(columns, matrix, right, x)
         sweeps = 0
-        while after > tolerance and sweeps < most * SWEEPS_AN_ITERATION:
+        while tolerance < after < np.inf and sweeps < most * SWEEPS_AN_ITERATION:
             for _ in range(LOOK):
                 for colour in (0, 1):
                     join_cells(x, *self.periodic)

@@ -128,7 +128,12 @@ def settle_pressure(liquid: Liquid, flow: Flow, dt: float) -> None:
             if A is not None:
                 a[A == 0.0] = 0.0
     liquid.sides.set_time(0.0)
-    liquid.sides.fill_velocity(at_rest)
+    for c, a in enumerate(at_rest):
+        if a is not None:
+            liquid.sides.fill_change(c, a)  # at rest nothing comes in: a stream that starts is no weight to be held
     liquid.projector.set_surface(flow.F)
     flow.p.fill(0.0)
-    liquid.projector.project(at_rest, flow.p, flow.F, dt, REST, liquid.plan.pressure.most_iterations)
+    try:
+        liquid.projector.project(at_rest, flow.p, flow.F, dt, REST, liquid.plan.pressure.most_iterations)
+    except PressedTogether as error:
+        raise StepFailed(f"no pressure holds the liquid at rest: {error}") from error

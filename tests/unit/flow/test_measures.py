@@ -140,3 +140,14 @@ def test_absent_parts():
 )
 def test_volume_error(volume, start, passed, error):
     assert volume_error(volume, start, np.array(passed, dtype=float)) == pytest.approx(error, abs=1e-15)
+
+
+@pytest.mark.parametrize("dust", [1e-20, 1e-155, 1e-162, 5e-324])
+def test_dust_beside_a_cell_tells_no_direction(dust):
+    """The square of its change is below the smallest number: 0 / 0 made the potential energy nan."""
+    block = block_of((5, 5, 5))
+    F = np.zeros([n + 2 * G for n in block.shape])
+    F[4, 4, 4], F[5, 4, 4] = 0.3, dust
+    alone = F.copy()
+    alone[5, 4, 4] = 0.0
+    assert totals(block, flow_of(block, F)).potential == pytest.approx(totals(block, flow_of(block, alone)).potential)
