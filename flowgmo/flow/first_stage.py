@@ -49,7 +49,6 @@ def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet
             gained = (q[e, f, g] - q[e + di, f + dj, g + dk]) * b[e, f, g] / area
             if V is not None:
                 if e != i or f != j or g != k:
-                    gained *= ease_between(V[i, j, k], V[i + di, j + dj, k + dk], A[i, j, k])
                     gained /= ease_between(V[e, f, g], V[e + di, f + dj, g + dk], A[e, f, g])
             u[i, j, k] += gained
 

@@ -107,7 +107,7 @@ def push(columns, first, last, b, area_x, area_y, area_z, A, q, step, u):
 
 
 @flow_kernel
-def difference(rows, first, last, b, area_x, area_y, area_z, V, A, q, step, out):
+def difference(rows, first, last, b, area_x, area_y, area_z, V, A, wet, q, step, out):
     """out (n,) = (q_upper - q_lower) b / (A S) on faces rows (n, 4), 0 where b is; thin cells like others."""
     m, n, o = step
     for r in range(first, last):
@@ -119,7 +119,7 @@ def difference(rows, first, last, b, area_x, area_y, area_z, V, A, q, step, out)
             area = area_x[i] * area_y[j] * area_z[k]
             if A is not None:
                 area *= A[i, j, k]
-            if V is not None:
+            if V is not None and wet[i, j, k] != 0 and wet[i + m, j + n, k + o] != 0:
                 area *= ease_between(V[i, j, k], V[i + m, j + n, k + o], A[i, j, k])
             out[r] = (q[i + m, j + n, k + o] - q[i, j, k]) * b[i, j, k] / area
 
@@ -225,9 +225,9 @@ class Projector:
         run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.wet, *m.b)
         if F is not None:
             self._reach_surface(F)
-        for b, thin in zip(m.b, self.thin, strict=True):
+        for d, (b, thin) in enumerate(zip(m.b, self.thin, strict=True)):
             if thin is not None:
-                run(multiply, *thin, b)
+                run(multiply, *thin, self.wet, int(d == 0), int(d == 1), int(d == 2), b)
         self.sides.set_coefficients(m.b, self.openings[1:], self.wet)
 
     def _reach_surface(self, F: np.ndarray) -> None:
@@ -316,7 +316,7 @@ class Projector:
         """What gravity gives the faces of thin cells more than others, where the pressure acts on them."""
         for u, b, g, thin in zip(velocity, self.matrix.b, self.sides.gravity, self.thin, strict=True):
             if u is not None and thin is not None and g != 0.0:
-                self.team.run(add_rest, *thin, dt * float(g), b, u)
+                self.team.run(add_rest, thin.columns, thin.acts, dt * float(g), b, u)
 
     def gradients(self, p: np.ndarray, rows: tuple, velocity: list) -> tuple:
         """grad p / rho [length/time2] on faces rows (n, 4) of u, v, w, None where that is; by the present surface."""
@@ -331,7 +331,7 @@ class Projector:
                 out = np.zeros(len(faces))
                 step = (int(d == 0), int(d == 1), np.uint64(d == 2))
                 A = self.openings[1 + d]
-                args = (self.matrix.b[d], *self.areas[d], self.eased, A, self.q, step, out)
+                args = (self.matrix.b[d], *self.areas[d], self.eased, A, self.wet, self.q, step, out)
                 self.team.run(difference, faces, *args)
             found.append(out)
         return tuple(found)

@@ -27,10 +27,14 @@ LEAST = 0.02  # phi: thinner cells are as good as joined, and more would only sp
 
 
 class ThinFaces(NamedTuple):
-    """Upper faces along one direction: columns (n, 4) of one cell each, and ease (n,) = 1 / phi."""
+    """Upper faces along one direction: columns (n, 4) of one cell each, and ease (n,) = 1 / phi.
+
+    acts (n,): ease where both cells are liquid now, 1 at the free surface, where nothing holds a thin cell back.
+    """
 
     columns: np.ndarray
     ease: np.ndarray
+    acts: np.ndarray
 
 
 def find_thin_faces(opened: Open) -> tuple[ThinFaces | None, ...]:
@@ -52,7 +56,7 @@ def _along(V: np.ndarray, A: np.ndarray | None, d: int) -> ThinFaces | None:
         return None
     ease = 1.0 / np.maximum(2.0 * least[thin] / area[thin], LEAST)
     at = np.argwhere(thin) + G
-    return ThinFaces(np.column_stack([at, at[:, 2] + 1]).astype(np.int32), ease)
+    return ThinFaces(np.column_stack([at, at[:, 2] + 1]).astype(np.int32), ease, np.ones(len(ease)))
 
 
 @inner
@@ -63,16 +67,18 @@ def ease_between(V_low, V_high, A):
 
 
 @flow_kernel
-def multiply(columns, first, last, ease, b):
-    """b *= ease on the one face of each column."""
+def multiply(columns, first, last, ease, acts, wet, di, dj, dk, b):
+    """b *= acts on the one face of each column along (di, dj, dk); acts = ease between two liquid cells, else 1."""
     for c in range(first, last):
-        b[columns[c, 0], columns[c, 1], columns[c, 2]] *= ease[c]
+        i, j, k = np.int64(columns[c, 0]), np.int64(columns[c, 1]), np.int64(columns[c, 2])
+        acts[c] = ease[c] if wet[i, j, k] != 0 and wet[i + di, j + dj, k + dk] != 0 else 1.0
+        b[i, j, k] *= acts[c]
 
 
 @flow_kernel
-def add_rest(columns, first, last, ease, g, b, u):
-    """u += (ease - 1) g where the pressure acts (b > 0): it holds what gravity pulls."""
+def add_rest(columns, first, last, acts, g, b, u):
+    """u += (acts - 1) g where the pressure acts (b > 0): it holds what gravity pulls."""
     for c in range(first, last):
         i, j, k = columns[c, 0], columns[c, 1], columns[c, 2]
         if b[i, j, k] > 0.0:
-            u[i, j, k] += (ease[c] - 1.0) * g
+            u[i, j, k] += (acts[c] - 1.0) * g
