@@ -13,8 +13,8 @@ def test_still_water_stays_still(runs):
 
 @pytest.mark.slow
 def test_dam_break_on_the_coarse_mesh(runs):
-    # Measured: P2 -8 %, impulse +5.7 %, heights 4.2 and 2.1 %, arrival +4.1 %, books 0; P1, in means of 5 ms, +33 %: the
-    # blow that stops the front in cut cells of this mesh (the page, "The blow"), in single steps it depends on their
+    # Measured: P2 -8 %, impulse +5.7 %, heights 4.2 and 2.1 %, arrival +4.1 %, books 0; P1, in means of 5 ms, +33 %:
+    # the blow that stops the front in cut cells of this mesh (the page, "The blow"), in single steps it depends on their
     # length. The bounds are those of VALIDATION D for twice as many cells each way, but P1 (40 %), heights (5 %) and
     # arrival (6 %).
     found = runs.measure.measure(runs.results("dam_break", "coarse"), "dam_break", "coarse")
@@ -29,8 +29,8 @@ def test_dam_break_on_the_coarse_mesh(runs):
 @pytest.mark.slow
 def test_dam_break_at_full_size(runs):
     # Measured over 3 s: P1 +5.1 %, P2 -1.6 % in means of 5 ms (in one step of 1 ms P1 is 17.4 kPa), impulse +8.4 %,
-    # arrival +3.1 %, heights 4.1 and 4.4 %, books 2e-16. VALIDATION D: 20 %, -, 10 %, 3 %, 4 %: arrival and heights miss
-    # by a hair, and are held where they are.
+    # arrival +3.1 %, heights 4.1 and 4.4 %, books 2e-16. VALIDATION D: 20 %, -, 10 %, 3 %, 4 %: arrival and heights
+    # miss by a hair, and are held where they are.
     found = runs.measure.measure(runs.results("dam_break", "spheric2"), "dam_break", "spheric2")
     assert abs(found["P1 peak of 5 ms means"] / 11239.0 - 1.0) <= 0.2
     assert abs(found["P2 peak of 5 ms means"] / 8127.0 - 1.0) <= 0.2
