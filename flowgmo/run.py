@@ -96,7 +96,7 @@ class Job:
         if not _kernels_cached():
             self.log.print("first start: compiling the kernels of this scene, 5 to 60 s; later starts load them\n")
         if self.resume_at is None:
-            from flowgmo.flow.watch import at_once
+            from flowgmo.flow.observe.watch import at_once
             from flowgmo.step import liquid_values
 
             self._write_rows(rows_of_state(self.world, state, at_once(liquid_values(self.world, state))))

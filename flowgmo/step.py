@@ -64,8 +64,8 @@ def prepare(model: Model) -> World:
     before, after, liquid = _flow_stages(model)
     watch = None
     if liquid is not None:
-        from flowgmo.flow.shear_of_solids import shear_of_solids
-        from flowgmo.flow.watch import watch_of
+        from flowgmo.flow.observe.shear_of_solids import shear_of_solids
+        from flowgmo.flow.observe.watch import watch_of
 
         (block,) = model.mesh.blocks
         shear = shear_of_solids(liquid, block.planes) if model.fluid.loads else {}
@@ -143,7 +143,7 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
     if not asked.size:
         return Report(rows=None, impacts=impacts)
     if world.watch is not None:
-        from flowgmo.flow.watch import between
+        from flowgmo.flow.observe.watch import between
 
         liquid = between(liquid, liquid_values(world, state), t0, t1, asked)
     rows = make_rows(world, asked, room.rows, room.contact_force, room.rows_books, liquid)

@@ -16,7 +16,7 @@ import sys
 import numpy as np
 
 from flowgmo.flow.fields import Flow, Grid, Open, grid_of, zeros
-from flowgmo.flow.surface_tracking import move_liquid, tracking_of
+from flowgmo.flow.surface.surface_tracking import move_liquid, tracking_of
 from flowgmo.flow.team import Team
 from flowgmo.mesh import Block
 

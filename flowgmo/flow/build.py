@@ -7,12 +7,12 @@ import numpy as np
 from flowgmo.errors import FlowgmoError
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import all_columns
+from flowgmo.flow.favor.fractions import Solids, open_fractions
 from flowgmo.flow.fields import Flow, G, Open, grid_of
-from flowgmo.flow.fractions import Solids, open_fractions
-from flowgmo.flow.initial_liquid import Region, initial_liquid
 from flowgmo.flow.liquid import DUST, Liquid, default_threads
-from flowgmo.flow.measures import total
+from flowgmo.flow.observe.measures import total
 from flowgmo.flow.stages import settle_pressure
+from flowgmo.flow.surface.initial_liquid import Region, initial_liquid
 from flowgmo.mesh import PERIODIC
 from flowgmo.model import Model
 

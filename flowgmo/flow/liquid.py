@@ -11,16 +11,16 @@ import numpy as np
 
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import all_columns, columns_where, widen
-from flowgmo.flow.donor_acceptor import donor_acceptor_flux
+from flowgmo.flow.favor.fractions import Solids
 from flowgmo.flow.fields import Flow, G, Grid
-from flowgmo.flow.fractions import Solids
-from flowgmo.flow.liquid_flux import plic_flux
-from flowgmo.flow.momentum import Momentum
-from flowgmo.flow.projection import Projector
-from flowgmo.flow.surface_tracking import tracking_of
-from flowgmo.flow.tally import Tally
+from flowgmo.flow.momentum.momentum import Momentum
+from flowgmo.flow.observe.tally import Tally
+from flowgmo.flow.pressure.projection import Projector
+from flowgmo.flow.pressure.thin_cells import find_thin_faces
+from flowgmo.flow.surface.donor_acceptor import donor_acceptor_flux
+from flowgmo.flow.surface.liquid_flux import plic_flux
+from flowgmo.flow.surface.surface_tracking import tracking_of
 from flowgmo.flow.team import Team
-from flowgmo.flow.thin_cells import find_thin_faces
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate, surface_limit
 from flowgmo.flow_plan import FluidPlan, speed_in_sight
 

@@ -12,14 +12,14 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.errors import StepFailed, StepTooLong
-from flowgmo.flow.conjugate_gradients import Solved
-from flowgmo.flow.extrapolation import continue_velocity
 from flowgmo.flow.fields import Flow
-from flowgmo.flow.first_stage import push_by_last_pressure
 from flowgmo.flow.liquid import DUST, Liquid
-from flowgmo.flow.prediction import accelerate, fill
-from flowgmo.flow.sealed import PressedTogether
-from flowgmo.flow.surface_tracking import move_liquid as carry_liquid
+from flowgmo.flow.momentum.extrapolation import continue_velocity
+from flowgmo.flow.momentum.prediction import accelerate, fill
+from flowgmo.flow.pressure.conjugate_gradients import Solved
+from flowgmo.flow.pressure.first_stage import push_by_last_pressure
+from flowgmo.flow.pressure.sealed import PressedTogether
+from flowgmo.flow.surface.surface_tracking import move_liquid as carry_liquid
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate
 
 REST = 1e-11  # share of a cell for the pressure at the start: still water must stay still

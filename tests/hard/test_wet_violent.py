@@ -10,7 +10,7 @@ from flowgmo_wet import wet
 from flowgmo_wet_runs import CLOSED, REAL, advance, fastest, start
 
 from flowgmo.flow.columns import all_columns
-from flowgmo.flow.measures import total
+from flowgmo.flow.observe.measures import total
 
 XPUT = "twfin=2., delt=.002, itb=1, gz=-10.,"
 NARROW = "px=0., 2., nxcelt=40, py=0., .25, nycelt=4, pz=0., .9, nzcelt=18,"

@@ -4,7 +4,7 @@ import numpy as np
 
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.fields import G, Open, grid_of, zeros
-from flowgmo.flow.projection import Projector
+from flowgmo.flow.pressure.projection import Projector
 from flowgmo.flow.team import Team
 from flowgmo.flow_plan import SidePlan
 from flowgmo.mesh import WALL, Block

@@ -3,8 +3,8 @@
 import numpy as np
 
 from flowgmo.flow.fields import Flow, Open, grid_of
-from flowgmo.flow.plic import volume_under
-from flowgmo.flow.surface_tracking import move_liquid, tracking_of
+from flowgmo.flow.surface.plic import volume_under
+from flowgmo.flow.surface.surface_tracking import move_liquid, tracking_of
 from flowgmo.flow.team import Team
 from flowgmo.kernel import kernel
 from flowgmo.mesh import Block

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from flowgmo.flow.advection import add_advection, make_schemes
 from flowgmo.flow.columns import all_columns
-from flowgmo.flow.cut_faces import find_cut_faces
+from flowgmo.flow.favor.cut_faces import find_cut_faces
 from flowgmo.flow.fields import G, Open, grid_of
-from flowgmo.flow.implicit_viscosity import add_implicit_viscosity
+from flowgmo.flow.momentum.advection import add_advection, make_schemes
+from flowgmo.flow.momentum.implicit_viscosity import add_implicit_viscosity
+from flowgmo.flow.momentum.viscosity import add_viscosity, make_viscosity
+from flowgmo.flow.momentum.wall_shear import find_side_walls
 from flowgmo.flow.team import Team
-from flowgmo.flow.viscosity import add_viscosity, make_viscosity
-from flowgmo.flow.wall_shear import find_side_walls
 from flowgmo.mesh import Block
 
 NOTHING = Open(None, None, None, None)

@@ -12,10 +12,10 @@ if HELPERS not in sys.path:
 
 from flow_solids import HalfSpace, ball, box, cylinder, exact_volume, graded_block, unit_vectors  # noqa: E402
 
-from flowgmo.flow.cell_shares import cut, divide, gather  # noqa: E402
-from flowgmo.flow.near_surface import near_cells, pairs_of  # noqa: E402
-from flowgmo.flow.sheets import is_plain, rows_of  # noqa: E402
-from flowgmo.flow.solid_shares import solid_shares  # noqa: E402
+from flowgmo.flow.favor.cell_shares import cut, divide, gather  # noqa: E402
+from flowgmo.flow.favor.near_surface import near_cells, pairs_of  # noqa: E402
+from flowgmo.flow.favor.sheets import is_plain, rows_of  # noqa: E402
+from flowgmo.flow.favor.solid_shares import solid_shares  # noqa: E402
 from flowgmo.geometry import Component, Piece, StlMesh  # noqa: E402
 
 

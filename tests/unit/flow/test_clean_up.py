@@ -16,9 +16,9 @@ from flowgmo_wet import wet  # noqa: E402
 from flowgmo.building import build_model  # noqa: E402
 from flowgmo.deck import parse_deck  # noqa: E402
 from flowgmo.flow.build import build_liquid  # noqa: E402
-from flowgmo.flow.clean_up import close_slivers  # noqa: E402
-from flowgmo.flow.cut_pairs import cell_volumes  # noqa: E402
-from flowgmo.flow.fractions import open_fractions  # noqa: E402
+from flowgmo.flow.favor.clean_up import close_slivers  # noqa: E402
+from flowgmo.flow.favor.cut_pairs import cell_volumes  # noqa: E402
+from flowgmo.flow.favor.fractions import open_fractions  # noqa: E402
 
 SOLIDS = [box((0.3, 0.2, 0.25), (0.4, 0.4, 0.4), (20, 30, 40)), ball(0.2, (0.6, 0.6, 0.5))]
 

@@ -5,7 +5,7 @@ import pytest
 
 from flowgmo.flow.columns import all_columns, clear_left, columns_under, columns_where, tabulate, widen
 from flowgmo.flow.fields import G
-from flowgmo.flow.prediction import fill
+from flowgmo.flow.momentum.prediction import fill
 from flowgmo.flow.team import REMEMBERED, Team
 
 SHAPE = (9, 8, 12)

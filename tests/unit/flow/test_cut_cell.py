@@ -12,7 +12,7 @@ if HELPERS not in sys.path:
 
 from flow_solids import exact_volume, unit_vectors  # noqa: E402
 
-from flowgmo.flow.cut_cell import volumes_where_positive  # noqa: E402
+from flowgmo.flow.favor.cut_cell import volumes_where_positive  # noqa: E402
 
 CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], float)
 

@@ -4,7 +4,7 @@ import numpy as np
 from momentum_scenes import NOTHING, blocks, mesh, shape_of
 
 from flowgmo.flow.columns import all_columns
-from flowgmo.flow.cut_faces import NO_SOLIDS, find_cut_faces
+from flowgmo.flow.favor.cut_faces import NO_SOLIDS, find_cut_faces
 from flowgmo.flow.fields import G
 
 

@@ -15,7 +15,7 @@ from liquid_scenes import (
     volume,
 )
 
-from flowgmo.flow.donor_acceptor import donor_acceptor_flux
+from flowgmo.flow.surface.donor_acceptor import donor_acceptor_flux
 
 DA = {"carry": donor_acceptor_flux}
 

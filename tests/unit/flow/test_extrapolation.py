@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from flowgmo.flow.columns import all_columns
-from flowgmo.flow.extrapolation import BEYOND, CLOSED, CONTINUED, FREE, HELD, continue_velocity
 from flowgmo.flow.fields import G
+from flowgmo.flow.momentum.extrapolation import BEYOND, CLOSED, CONTINUED, FREE, HELD, continue_velocity
 from flowgmo.flow.team import Team
 
 SHAPE = (12, 11, 14)

@@ -22,11 +22,11 @@ from flow_solids import (  # noqa: E402
     unit_vectors,
 )
 
-from flowgmo.flow.cut_pairs import cell_volumes  # noqa: E402
+from flowgmo.flow.favor.cut_pairs import cell_volumes  # noqa: E402
+from flowgmo.flow.favor.fractions import cover, open_fractions  # noqa: E402
+from flowgmo.flow.favor.near_surface import Pose  # noqa: E402
+from flowgmo.flow.favor.shares import wall_areas  # noqa: E402
 from flowgmo.flow.fields import Open, grid_of  # noqa: E402
-from flowgmo.flow.fractions import cover, open_fractions  # noqa: E402
-from flowgmo.flow.near_surface import Pose  # noqa: E402
-from flowgmo.flow.shares import wall_areas  # noqa: E402
 from flowgmo.geometry import Component, Limits, Piece  # noqa: E402
 from flowgmo.geometry.transform import rotation  # noqa: E402
 from flowgmo.mesh import Block  # noqa: E402

@@ -5,7 +5,7 @@ import pytest
 from flowgmo_flows import DOWN, GRAVITY, RHO, at_centres, at_faces, below, block_of, flow_of, openings_of, still
 
 from flowgmo.flow.fields import Open, grid_of
-from flowgmo.flow.gauges import find_probe, read_probe
+from flowgmo.flow.observe.gauges import find_probe, read_probe
 
 NONE = Open(None, None, None, None)
 ROCK = np.array([[0.3, 0.25, 0.0], [0.55, 0.7, 0.4]])

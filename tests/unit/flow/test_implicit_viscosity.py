@@ -17,8 +17,8 @@ from momentum_scenes import (
 
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import Open
+from flowgmo.flow.momentum.viscosity import apply
 from flowgmo.flow.team import Team
-from flowgmo.flow.viscosity import apply
 
 
 def periodic(c, q):

@@ -12,10 +12,10 @@ if HELPERS not in sys.path:
 
 from flow_solids import INNER, HalfSpace, ball, box, cylinder, exact_volume, graded_block, unit_vectors  # noqa: E402
 
-from flowgmo.flow.cut_pairs import cell_volumes  # noqa: E402
+from flowgmo.flow.favor.cut_pairs import cell_volumes  # noqa: E402
+from flowgmo.flow.favor.fractions import open_fractions  # noqa: E402
 from flowgmo.flow.fields import Open  # noqa: E402
-from flowgmo.flow.fractions import open_fractions  # noqa: E402
-from flowgmo.flow.initial_liquid import Region, initial_liquid, level_of_volume  # noqa: E402
+from flowgmo.flow.surface.initial_liquid import Region, initial_liquid, level_of_volume  # noqa: E402
 from flowgmo.geometry import Component, Limits, Piece, Quadric, StlMesh  # noqa: E402
 from flowgmo.geometry.transform import rotation  # noqa: E402
 from flowgmo.mesh import Block  # noqa: E402

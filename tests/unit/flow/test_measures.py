@@ -6,7 +6,7 @@ from flowgmo_flows import DOWN, GRAVITY, RHO, at_faces, below, block_of, flow_of
 
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import G, Open, grid_of
-from flowgmo.flow.measures import total, volume_error
+from flowgmo.flow.observe.measures import total, volume_error
 from flowgmo.flow.team import Team
 
 NONE = Open(None, None, None, None)

@@ -12,7 +12,7 @@ if HELPERS not in sys.path:
 
 from flow_solids import HalfSpace, ball, box, graded_block, middles  # noqa: E402
 
-from flowgmo.flow.near_surface import Pose, near_cells, node_distances, pairs_of, placed  # noqa: E402
+from flowgmo.flow.favor.near_surface import Pose, near_cells, node_distances, pairs_of, placed  # noqa: E402
 from flowgmo.geometry.transform import rotation  # noqa: E402
 
 SHAPES = [

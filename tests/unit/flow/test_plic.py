@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flowgmo.flow import plic
+from flowgmo.flow.surface import plic
 from flowgmo.kernel import kernel
 
 

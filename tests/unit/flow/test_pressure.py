@@ -7,8 +7,8 @@ from flowgmo_pressure import NO_SOLIDS, RHO, block_of, g, level_pool, net_outflo
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import columns_where, widen
 from flowgmo.flow.fields import G, Open, grid_of, zeros
-from flowgmo.flow.projection import Projector
-from flowgmo.flow.sealed import PressedTogether
+from flowgmo.flow.pressure.projection import Projector
+from flowgmo.flow.pressure.sealed import PressedTogether
 from flowgmo.flow.team import Team
 from flowgmo.flow_plan import SidePlan
 from flowgmo.mesh import PERIODIC, PRESSURE, WALL

@@ -5,7 +5,7 @@ import pytest
 from flowgmo_wet import wet
 from flowgmo_wet_runs import advance, start
 
-from flowgmo.flow.shear_of_solids import shear_of_solids
+from flowgmo.flow.observe.shear_of_solids import shear_of_solids
 
 PLANES = [np.linspace(0.0, 1.0, 9), np.linspace(0.0, 0.5, 5), np.linspace(0.0, 1.0, 17)]
 

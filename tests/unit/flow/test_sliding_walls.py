@@ -6,10 +6,10 @@ from flowgmo_wet import wet
 from flowgmo_wet_runs import REAL, advance, start
 from scipy.integrate import solve_ivp
 
-from flowgmo.flow import momentum as momentum_of
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import Open
-from flowgmo.flow.wall_shear import find_side_walls, slide
+from flowgmo.flow.momentum import momentum as momentum_of
+from flowgmo.flow.momentum.wall_shear import find_side_walls, slide
 from flowgmo.mesh import WALL
 
 NU, N, END = 0.1, 8, 1.0

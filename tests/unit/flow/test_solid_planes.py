@@ -12,9 +12,9 @@ if HELPERS not in sys.path:
 
 from flow_solids import HalfSpace, ball, exact_volume, graded_block, unit_vectors  # noqa: E402
 
+from flowgmo.flow.favor.fractions import open_fractions  # noqa: E402
+from flowgmo.flow.favor.solid_planes import depth_of_volume, solid_planes  # noqa: E402
 from flowgmo.flow.fields import Open, grid_of  # noqa: E402
-from flowgmo.flow.fractions import open_fractions  # noqa: E402
-from flowgmo.flow.solid_planes import depth_of_volume, solid_planes  # noqa: E402
 from flowgmo.kernel import kernel  # noqa: E402
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from liquid_scenes import carry, even, graded, half_space, largest_cfl, mesh, mirror, random_velocity, volume
 
 from flowgmo.flow.fields import Flow, Open
-from flowgmo.flow.surface_tracking import move_liquid, tracking_of
+from flowgmo.flow.surface.surface_tracking import move_liquid, tracking_of
 from flowgmo.flow.team import Team
 
 

@@ -6,7 +6,7 @@ from liquid_scenes import NO_SOLIDS, even, fractions, graded, half_space, mesh
 
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import Grid
-from flowgmo.flow.surface_normals import find_planes, steps_of
+from flowgmo.flow.surface.surface_normals import find_planes, steps_of
 
 OBLIQUE = {
     "wall leaning out": ((0.8, 0.13, -0.35), 0.31),

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from momentum_scenes import NOTHING, all_columns, implicit, mesh, operators, places, shape_of, viscous, wrap
 
-from flowgmo.flow.advection import add_advection, make_schemes
-from flowgmo.flow.cut_faces import find_cut_faces
+from flowgmo.flow.favor.cut_faces import find_cut_faces
 from flowgmo.flow.fields import G
+from flowgmo.flow.momentum.advection import add_advection, make_schemes
 from flowgmo.flow.team import Team
 
 NU, STREAM, END = 0.05, (0.7, -0.4), 1.0

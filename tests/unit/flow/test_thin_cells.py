@@ -6,7 +6,7 @@ from flowgmo_wet import wet
 from flowgmo_wet_runs import CLOSED, REAL, advance, start
 
 from flowgmo.flow.fields import Open
-from flowgmo.flow.thin_cells import LEAST, ease_between, find_thin_faces
+from flowgmo.flow.pressure.thin_cells import LEAST, ease_between, find_thin_faces
 
 MESH = "px=0., 2., nxcelt=20, py=0., 1., nycelt=10, pz=0., 1., nzcelt=10,"
 

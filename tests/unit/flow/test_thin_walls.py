@@ -12,9 +12,9 @@ if HELPERS not in sys.path:
 
 from flow_solids import ball, box, connected, graded_block, middles  # noqa: E402
 
+from flowgmo.flow.favor.fractions import open_fractions  # noqa: E402
+from flowgmo.flow.favor.shares import wall_areas  # noqa: E402
 from flowgmo.flow.fields import grid_of  # noqa: E402
-from flowgmo.flow.fractions import open_fractions  # noqa: E402
-from flowgmo.flow.shares import wall_areas  # noqa: E402
 from flowgmo.geometry import Component, Limits, Piece, Transform  # noqa: E402
 
 CELL = 1 / 12

@@ -19,8 +19,8 @@ from momentum_scenes import (
 )
 
 from flowgmo.flow.fields import G, Open
+from flowgmo.flow.momentum.viscosity import viscous_limit
 from flowgmo.flow.team import Team
-from flowgmo.flow.viscosity import viscous_limit
 
 
 def smooth(grid, c):

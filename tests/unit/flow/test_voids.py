@@ -6,9 +6,9 @@ from flowgmo_pressure import NO_SOLIDS, RHO, block_of, g, net_outflow, projector
 
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.fields import G, Open, grid_of, zeros
-from flowgmo.flow.lids import SHARE
-from flowgmo.flow.projection import Projector
-from flowgmo.flow.sealed import PressedTogether
+from flowgmo.flow.pressure.lids import SHARE
+from flowgmo.flow.pressure.projection import Projector
+from flowgmo.flow.pressure.sealed import PressedTogether
 from flowgmo.flow.team import Team
 from flowgmo.flow_plan import SidePlan
 from flowgmo.mesh import VELOCITY, WALL

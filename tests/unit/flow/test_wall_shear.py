@@ -17,9 +17,9 @@ from momentum_scenes import (
     wrap,
 )
 
-from flowgmo.flow.cut_faces import STEPS
+from flowgmo.flow.favor.cut_faces import STEPS
 from flowgmo.flow.fields import Grid, Open
-from flowgmo.flow.wall_shear import wall_force
+from flowgmo.flow.momentum.wall_shear import wall_force
 
 G_ACCELERATION, NU = 0.7, 0.2
 

@@ -7,10 +7,10 @@ import pytest
 from flowgmo_flows import DOWN, GRAVITY, RHO, at_faces, below, block_of, flow_of, openings_of, still, with_ghosts
 
 from flowgmo.flow.fields import G, Open, grid_of
-from flowgmo.flow.loads import find_wall, pressure_load, shear_load
-from flowgmo.flow.planes import find_gate, flow_through
+from flowgmo.flow.observe.loads import find_wall, pressure_load, shear_load
+from flowgmo.flow.observe.planes import find_gate, flow_through
+from flowgmo.flow.observe.watch import Asked, Watch, at_once, between
 from flowgmo.flow.team import Team
-from flowgmo.flow.watch import Asked, Watch, at_once, between
 from flowgmo.flow_plan import FlowPlane, LoadPlan, SidePlan
 from flowgmo.mesh import PRESSURE, WALL
 

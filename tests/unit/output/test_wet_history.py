@@ -9,8 +9,8 @@ import pytest
 import pyvista
 from rich.console import Console
 
-from flowgmo.flow.tally import Tally
-from flowgmo.flow.watch import at_once
+from flowgmo.flow.observe.tally import Tally
+from flowgmo.flow.observe.watch import at_once
 from flowgmo.output import History, Snapshots, read_restart, write_restart
 from flowgmo.output.history_layout import LIQUID
 from flowgmo.output.log import RunLog

@@ -10,8 +10,8 @@ import numpy as np
 from flowgmo_flows import DOWN, RHO, at_faces, block_of, centres, flow_of, openings_of, with_ghosts
 
 from flowgmo.flow.fields import grid_of
+from flowgmo.flow.observe.watch import Asked, Watch, at_once, between
 from flowgmo.flow.team import Team
-from flowgmo.flow.watch import Asked, Watch, at_once, between
 from flowgmo.flow_plan import FlowPlane, LoadPlan, SidePlan
 from flowgmo.mesh import Mesh
 from flowgmo.model import Effect

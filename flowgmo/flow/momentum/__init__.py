@@ -1,0 +1,1 @@
+"""All accelerations but the pressure's, and the velocity beside the liquid."""

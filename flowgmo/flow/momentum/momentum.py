@@ -1,0 +1,125 @@
+"""All accelerations but the pressure's, chosen once by what the deck asks for; what is off is not there.
+
+a = - (u . grad) u + g + nu laplacian u + shear of walls          viscosity explicit, or implicit after the rest
+
+Walls that slide by a table (`UBCT` ... of a wall) have the speed of the time at which a term holds: explicit terms that
+of their stage, the implicit one that of the step's end. Constant tables are read once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flowgmo.errors import StepTooLong
+from flowgmo.flow.boundary import Sides
+from flowgmo.flow.columns import all_columns
+from flowgmo.flow.favor.cut_faces import find_cut_faces
+from flowgmo.flow.fields import Grid, Open
+from flowgmo.flow.momentum.advection import add_advection, make_schemes
+from flowgmo.flow.momentum.implicit_viscosity import add_implicit_viscosity
+from flowgmo.flow.momentum.prediction import add
+from flowgmo.flow.momentum.viscosity import add_viscosity, make_viscosity, viscous_limit
+from flowgmo.flow.momentum.wall_shear import find_side_walls, slide
+from flowgmo.flow.team import Team
+from flowgmo.flow_plan import FluidPlan, SidePlan, SideValues
+from flowgmo.mesh import PERIODIC, PRESSURE, WALL
+
+
+class Momentum:
+    """The terms of one scene, with their factors on the mesh."""
+
+    def __init__(
+        self, plan: FluidPlan, grid: Grid, openings: Open, sides: Sides, gravity: np.ndarray, present: tuple, team: Team
+    ) -> None:
+        self.grid, self.openings, self.sides, self.team = grid, openings, sides, team
+        self.gravity = gravity
+        self.schemes = make_schemes(grid, plan.order)
+        shape = tuple(len(d) for d in grid[:3])
+        self.cut = find_cut_faces(all_columns(shape), openings)
+        self.nu = plan.mu / plan.rho if plan.mu else 0.0
+        self.implicit = plan.implicit_viscosity and self.nu > 0.0
+        self.operators, self.limit, self.walls = None, np.inf, ()
+        if self.nu > 0.0:
+            no_slip = tuple(plan.no_slip and side.kind == WALL for side in plan.sides)
+            speeds = self._speeds(sides.values)
+            walls = tuple(find_side_walls(grid, openings, no_slip, speeds, c, present) for c in range(3))
+            self.operators = make_viscosity(team, grid, openings, self.cut, present, plan.no_slip, walls)
+            if any(stick and _changes(side) for stick, side in zip(no_slip, plan.sides, strict=True)):
+                self.walls = tuple(w for w in walls if w is not None)
+            self.limit = np.inf if self.implicit else viscous_limit(grid, self.nu, present)
+        self.scratch = tuple(np.zeros(shape) for _ in range(4)) if self.implicit else ()
+
+    def _speeds(self, values: Sequence[SideValues]) -> np.ndarray:
+        """(6, 3) [length/time]: how the walls slide when these are the values of the sides."""
+        found = np.zeros((6, 3))
+        for side, of_side in enumerate(values):
+            if self.sides.plans[side].kind == WALL and of_side.velocity is not None:
+                found[side] = of_side.velocity
+        return found
+
+    def _slide(self, values: Sequence[SideValues]) -> None:
+        """Give the walls the speeds of their tables, where any of them changes."""
+        if self.walls:
+            speeds = self._speeds(values)
+            for walls in self.walls:
+                slide(walls, speeds)
+
+    def add_accelerations(
+        self,
+        columns: np.ndarray,
+        velocity: list,
+        F: np.ndarray | None,
+        acceleration: list,
+        dt: float,
+        gradients: tuple = (None, None, None),
+        time: float | None = None,
+    ) -> None:
+        """Add them on the upper faces of the columns' cells. Ghosts of velocity are filled.
+
+        gradients: grad p / rho of the last step on the cut faces, for slivers (cut_viscosity.py). time: at which the
+        walls slide, that of `velocity`; None: the time that the sides have now (Sides.set_time).
+        """
+        gradients = tuple(
+            None if gradient is None else gradient + a[tuple(rows[:, :3].T)]  # what is there already is not slowed down
+            for gradient, a, rows in zip(gradients, acceleration, self.cut.rows, strict=True)
+        )
+        for a, g in zip(acceleration, self.gravity, strict=True):
+            if a is not None and g != 0.0:
+                self.team.run(add, columns, float(g), a)
+        add_advection(
+            self.team, columns, self.schemes, self.openings, self.cut, tuple(velocity), F, tuple(acceleration)
+        )
+        if self.operators is not None and not self.implicit:
+            now = self.sides.values if time is None or not self.walls else [p.at(time) for p in self.sides.plans]
+            self._slide(now)
+            add_viscosity(
+                self.team, columns, self.operators, tuple(velocity), F, tuple(acceleration), self.nu, dt, gradients
+            )
+
+    @property
+    def slivers(self) -> tuple:
+        """Cut faces (n, 4) of u, v, w where the walls of slivers need the last step's pressure; None elsewhere."""
+        if self.operators is None or self.implicit:
+            return None, None, None
+        return tuple(None if o is None or o.cut is None else o.cut.rows for o in self.operators)
+
+    def diffuse(self, columns: np.ndarray, velocity: list, F: np.ndarray | None, dt: float) -> None:
+        """Implicit viscosity: change the predicted velocity, ghosts filled before. Raises StepTooLong."""
+        if not self.implicit:
+            return
+        self._slide(self.sides.values)
+        free = tuple(self.sides.plans[2 * d + 1].kind in (PERIODIC, PRESSURE) for d in range(3))
+        ended = add_implicit_viscosity(
+            self.team, columns, self.grid, self.openings.V, self.operators, tuple(velocity), F, self.nu, dt,
+            self.scratch, self.sides.fill_change, free,
+        )  # fmt: skip
+        if not all(solved.good for solved in ended):
+            raise StepTooLong("the implicit viscosity did not converge")
+        self.sides.fill_velocity(velocity)  # joined sides changed on one side only
+
+
+def _changes(side: SidePlan) -> bool:
+    """Whether a side's velocity is another at some other time."""
+    return side.velocity is not None and bool((side.velocity != side.velocity[0]).any())

@@ -1,0 +1,68 @@
+"""What the pressure of the last step does to the velocity of Heun's first stage.
+
+The pressure is that of the surface a step ago. Between liquid cells its gradient changes little within a step. At the
+free surface it does not: there it is p over the distance to the surface, and a surface that has moved by a tenth of a
+cell would push a tenth harder, up in one step and down in the next. Such a face takes the gradient of the face behind
+it, on the other side of its liquid cell:
+
+    o----g----o----|==x     the gradient at the surface x is g, as under a level surface at rest
+
+Where there is none (liquid one cell deep) p over the distance is all that is known. Faces of thin cells gain more, each
+in its own measure (thin_cells.py).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.flow.fields import G
+from flowgmo.flow.pressure.projection import Projector, scale_liquid
+from flowgmo.flow.pressure.thin_cells import ease_between
+from flowgmo.kernel import flow_kernel
+
+
+@flow_kernel
+def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet, d, u):
+    """u -= (q_upper - q_lower) b / (A S) on the upper faces along d with b > 0, at the surface with the face behind."""
+    di = np.int64(d == 0)
+    dj = np.int64(d == 1)
+    dk = np.int64(d == 2)
+    n = q.shape[d]
+    for c in range(first, last):
+        i = np.int64(columns[c, 0])
+        j = np.int64(columns[c, 1])
+        for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
+            if not b[i, j, k] > 0.0:
+                continue
+            e, f, g = i, j, k
+            low = wet[i, j, k] != 0
+            at = i * di + j * dj + k * dk
+            if low != (wet[i + di, j + dj, k + dk] != 0) and G <= at < n - G - 1:
+                s = np.int64(-1 if low else 1)
+                behind = b[i + s * di, j + s * dj, k + s * dk] > 0.0
+                cell = np.int64(-1 if low else 2)
+                if behind and wet[i + cell * di, j + cell * dj, k + cell * dk] != 0:
+                    e, f, g = i + s * di, j + s * dj, k + s * dk
+            area = area_x[e] * area_y[f] * area_z[g]
+            if A is not None:
+                area *= A[e, f, g]
+            gained = (q[e, f, g] - q[e + di, f + dj, g + dk]) * b[e, f, g] / area
+            if V is not None:
+                if e != i or f != j or g != k:
+                    gained /= ease_between(V[e, f, g], V[e + di, f + dj, g + dk], A[e, f, g])
+            u[i, j, k] += gained
+
+
+def push_by_last_pressure(projector: Projector, p: np.ndarray, dt: float, velocity: list) -> None:
+    """velocity -= dt grad p / rho, p [mass/length/time2] of the last step, with the present surface and sides."""
+    m = projector.matrix
+    projector.ease_gravity(velocity, dt)
+    projector.team.run(scale_liquid, m.faces, p, dt / projector.rho, projector.wet, projector.q)
+    projector.sides.fill_pressure(projector.q, dt, velocity)
+    for d, u in enumerate(velocity):
+        if u is not None:
+            V, A = projector.eased, projector.openings[1 + d]
+            args = (m.b[d], *projector.areas[d], A, V, projector.q, projector.wet, np.int64(d), u)
+            for columns in (m.faces, projector.lower_faces[d]):
+                if columns is not None:
+                    projector.team.run(push_as_behind, columns, *args)

@@ -1,0 +1,349 @@
+"""Make the predicted velocities fit each other and the walls, and find the pressure that does it.
+
+    u = u* - (1 / rho) dt grad p         on every open face of a liquid cell
+    sum over faces (A S u) = source      in every liquid cell
+
+The source is 0, but for cells that hold more than their volume (F > 1, left over by the tolerance of earlier
+solutions): they push it out; and for voids beside closed faces (voids.py), for which this is solved again until none
+takes more than it holds. Liquid that gives way (beta = 1 / (rho c2), `rcsql`) adds beta (p - p_before) / dt times the
+volume to the sum; F is then rho / rho0 = 1 + beta p at most. Liquid that is shut in everywhere (no surface, no pressure
+side) has a pressure up to a constant, and its flows must add up to nothing; region by region the mean is removed, and a
+flow that does not add up is an error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flowgmo.flow.boundary import Sides
+from flowgmo.flow.columns import ONE, all_columns, cells_in, clear_left, columns_where, widen
+from flowgmo.flow.fields import G, Grid, Open
+from flowgmo.flow.pressure.conjugate_gradients import ConjugateGradients, Solved
+from flowgmo.flow.pressure.exits import Exits
+from flowgmo.flow.pressure.multigrid import Multigrid
+from flowgmo.flow.pressure.pressure_matrix import (
+    add_give,
+    clear,
+    diagonals,
+    face_coefficients,
+    foresee,
+    open_volume,
+    scale_into,
+    scale_liquid,
+    surface_coefficients,
+)
+from flowgmo.flow.pressure.relaxation import Relaxation
+from flowgmo.flow.pressure.sealed import Sealed
+from flowgmo.flow.pressure.surface_distance import mark_liquid
+from flowgmo.flow.pressure.thin_cells import ThinFaces, add_rest, ease_between, multiply
+from flowgmo.flow.pressure.voids import Voids, closed_sides
+from flowgmo.flow.surface.surface_normals import steps_of
+from flowgmo.flow.team import Team
+from flowgmo.kernel import flow_kernel
+from flowgmo.mesh import PRESSURE
+
+HALF = 0.1  # F below it: the centre is dry, also in cells that a solid cuts, whose centres lie in the open
+MOST_SOLUTIONS = (
+    20  # for the voids; 4 at most in boxes of 1200 cells. What is not shut by then overfills, and is pushed out later
+)
+PUSH = 0.5  # share of an overfull cell's excess that leaves in one step: all of it at once would swing back
+
+
+@flow_kernel
+def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, p, beta, dt, right):
+    """right = - sum over faces (outward A S u) + source [length3/time] in the columns' cells.
+
+    beta [time2 length/mass]: the liquid gives way by this, None without; p: the last pressure.
+    """
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            total = 0.0
+            if u is not None:
+                S = grid.dy[j] * grid.dz[k]
+                if Ax is not None:
+                    total += S * (Ax[i - 1, j, k] * u[i - 1, j, k] - Ax[i, j, k] * u[i, j, k])
+                else:
+                    total += S * (u[i - 1, j, k] - u[i, j, k])
+            if v is not None:
+                S = grid.dx[i] * grid.dz[k]
+                if Ay is not None:
+                    total += S * (Ay[i, j - 1, k] * v[i, j - 1, k] - Ay[i, j, k] * v[i, j, k])
+                else:
+                    total += S * (v[i, j - 1, k] - v[i, j, k])
+            if w is not None:
+                S = grid.dx[i] * grid.dy[j]
+                if Az is not None:
+                    total += S * (Az[i, j, k - ONE] * w[i, j, k - ONE] - Az[i, j, k] * w[i, j, k])
+                else:
+                    total += S * (w[i, j, k - ONE] - w[i, j, k])
+            most = 1.0
+            if beta is not None:
+                most += beta * max(p[i, j, k], 0.0)
+                total += beta * p[i, j, k] * open_volume(grid, V, i, j, k) / dt
+            if F is not None:
+                if F[i, j, k] > most:
+                    total += PUSH * (F[i, j, k] - most) * open_volume(grid, V, i, j, k) / dt
+            right[i, j, k] = total
+
+
+@flow_kernel
+def push(columns, first, last, b, area_x, area_y, area_z, A, q, step, u):
+    """u -= (q_upper - q_lower) b / (A S) on the upper faces with b > 0. area_x * area_y * area_z = S (1 for `step`)."""
+    m, n, o = step
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        S = area_x[i] * area_y[j]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+            if b[i, j, k] > 0.0:
+                area = S * area_z[k]
+                if A is not None:
+                    area *= A[i, j, k]
+                u[i, j, k] -= (q[i + m, j + n, k + o] - q[i, j, k]) * b[i, j, k] / area
+
+
+@flow_kernel
+def difference(rows, first, last, b, area_x, area_y, area_z, V, A, wet, q, step, out):
+    """out (n,) = (q_upper - q_lower) b / (A S) on faces rows (n, 4), 0 where b is; thin cells like others."""
+    m, n, o = step
+    for r in range(first, last):
+        i = rows[r, 0]
+        j = rows[r, 1]
+        k = np.uint64(rows[r, 2])
+        out[r] = 0.0
+        if b[i, j, k] > 0.0:
+            area = area_x[i] * area_y[j] * area_z[k]
+            if A is not None:
+                area *= A[i, j, k]
+            if V is not None and wet[i, j, k] != 0 and wet[i + m, j + n, k + o] != 0:
+                area *= ease_between(V[i, j, k], V[i + m, j + n, k + o], A[i, j, k])
+            out[r] = (q[i + m, j + n, k + o] - q[i, j, k]) * b[i, j, k] / area
+
+
+@dataclass
+class Matrix:
+    """The pressure equation of the present surface: b of faces, diagonal; columns of liquid cells and of faces."""
+
+    bx: np.ndarray | None
+    by: np.ndarray | None
+    bz: np.ndarray | None
+    diagonal: np.ndarray
+    columns: np.ndarray
+    faces: np.ndarray
+
+    @property
+    def b(self) -> tuple:
+        return self.bx, self.by, self.bz
+
+    @property
+    def arrays(self) -> tuple:
+        return self.bx, self.by, self.bz, self.diagonal
+
+
+class Projector:
+    """The pressure equation and its solver, with their arrays: 7 of float64 and 8 of float32 of mesh size.
+
+    beta [time2 length/mass]: 1 / (rho c2) of liquid that gives way, None where it does not. solves: how many systems
+    were solved so far; more than one a projection where a void is filled within the step (lids.py).
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        openings: Open,
+        sides: Sides,
+        team: Team,
+        rho: float,
+        *,
+        plain: bool = False,
+        thin: tuple[ThinFaces | None, ...] = (None, None, None),
+        beta: float | None = None,
+    ) -> None:
+        self.grid, self.openings, self.sides, self.team, self.rho, self.beta = grid, openings, sides, team, rho, beta
+        shape = tuple(len(d) for d in (grid.dx, grid.dy, grid.dz))
+        b = [np.zeros(shape) if n > 1 + 2 * G else None for n in shape]
+        none = np.zeros((0, 4), np.int32)
+        self.matrix = Matrix(*b, np.zeros(shape), none, none)
+        self.right, self.q = np.zeros(shape), np.zeros(shape)
+        ends = [float(np.median(d[G:-G])) for d in (grid.dx, grid.dy, grid.dz)]
+        widths = (grid.dx, grid.dy, grid.dz)
+        self.multigrid = None if plain else Multigrid(shape, tuple(ends), sides.periodic, team)
+        self.solver = (
+            Relaxation(shape, widths, sides.periodic, team)
+            if plain
+            else ConjugateGradients(shape, widths, self.multigrid, team)
+        )
+        self.wet = np.zeros(shape, np.int8)
+        self.steps = steps_of(grid)
+        self.thin = thin
+        self.eased = openings.V if any(t is not None for t in thin) else None
+        self.every = all_columns(shape)
+        held = tuple(plan.kind == PRESSURE for plan in sides.plans)
+        self.sealed = Sealed(openings, shape, held, sides.periodic)
+        self.exits = Exits(grid, openings, sides, self.sealed.label)
+        self.ends = np.zeros((*shape[:2], 2), np.int32)  # scratch of `widen`
+        closed = closed_sides(sides.plans, tuple(a is not None for a in b))
+        self.voids, self.solves = Voids(grid, openings, self.steps, closed), 0
+        self.ends = np.zeros((*shape[:2], 2), np.int32)  # of `widen`: where the columns of faces begin and end
+        self.areas = [[np.ones_like(w) if e == d else w for e, w in enumerate(grid[:3])] for d in range(3)]
+        self.lower_faces = [self._lower_faces(d) if sides.lower_face_acts(d) else None for d in range(3)]
+        self.matrix_scale = 2.0 ** -np.frexp(min(ends))[1]
+
+    def _lower_faces(self, d: int) -> np.ndarray:
+        """Columns of the ghost cells whose upper faces lie on the lower side along d."""
+        every = all_columns(self.q.shape)
+        if d == 2:
+            every[:, 2:] = (G - 1, G)
+            return every
+        every = every[every[:, d] == G]
+        every[:, d] = G - 1
+        return every
+
+    def set_surface(self, F: np.ndarray | None) -> None:
+        """Fit the coefficients of faces to where the liquid is. F with ghosts filled."""
+        run, m, before = self.team.run, self.matrix, self.matrix.faces
+        run(clear, before, self.wet)
+        near = self.every if F is None else columns_where(F, HALF)
+        if F is not None and self.openings.V is not None:  # cells that a solid cuts beside the liquid
+            near = widen(near, 1, self.q.shape, self.ends)
+        counts = np.zeros(len(near), np.int32)
+        run(mark_liquid, near, F, self.openings.V, self.openings, self.steps, self.voids.closed, self.wet, counts)
+        m.columns = columns_where(self.wet, 0)
+        m.faces = widen(m.columns, 1, self.q.shape, self.ends)
+        if F is not None:
+            self.voids.find(near, counts, F, self.wet)
+        self.sides.join(self.wet)
+        for b in m.b:  # what the liquid has left
+            if b is not None:
+                run(clear_left, before, self.ends, b)
+        for a in self.solver.unknowns:
+            run(clear, before, a)
+        run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.wet, *m.b)
+        if F is not None:
+            self._reach_surface(F)
+        for d, (b, thin) in enumerate(zip(m.b, self.thin, strict=True)):
+            if thin is not None:
+                run(multiply, *thin, self.wet, int(d == 0), int(d == 1), int(d == 2), b)
+        self.sides.set_coefficients(m.b, self.openings[1:], self.wet)
+
+    def _reach_surface(self, F: np.ndarray) -> None:
+        """b of the faces at which the free surface ends what a cell is coupled to."""
+        m, V = self.matrix, self.openings.V
+        for d in range(3):
+            if m.b[d] is not None:
+                self.team.run(
+                    surface_coefficients, m.faces, self.grid[d], *self.areas[d], self.grid[3 + d], self.openings[1 + d],
+                    np.int64(d), F, V, self.openings, self.steps, self.wet, m.b[d],
+                )  # fmt: skip
+
+    def project(
+        self,
+        velocity: list,
+        p: np.ndarray,
+        F: np.ndarray | None,
+        dt: float,
+        tolerance: float,
+        most: int,
+        before: np.ndarray | None = None,
+    ) -> Solved:
+        """Change velocity [u, v, w] and p (of the last step, then the result) so that what is above holds.
+
+        before: p of the step before the last one, for the first guess. tolerance: largest share of a cell that its
+        faces may miss within dt. `set_surface` was called with this F.
+        Returns how it went; on failure velocity and p are as they were.
+        """
+        run, m, voids = self.team.run, self.matrix, self.voids
+        run(scale_liquid, m.faces, p, dt / self.rho, self.wet, self.q)
+        own = tuple(voids.pockets.T)
+        self.q[own] = p[own] * (dt / self.rho)
+        self.sides.fill_pressure(self.q, dt, velocity)
+        guess = self.beta is not None or not self.sealed.may_be_full(cells_in(m.columns))
+        self.ease_gravity(velocity, dt)
+        voids.begin(velocity, m.b, F, self.q, self.wet, dt, guess)
+        if before is not None:
+            run(foresee, m.faces, p, before, dt / self.rho, self.wet, self.q)
+        iterations, again, release, last = 0, True, guess, self.solves + MOST_SOLUTIONS
+        while again:
+            self._set_matrix(dt)
+            run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, self.right)
+            voids.enter(self.right)
+            if self.beta is None:
+                self._balance(velocity, F, dt, tolerance)
+            solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most)
+            self.solves += 1
+            iterations += solved.iterations
+            if not solved.converged:
+                self.ease_gravity(velocity, -dt)
+                return replace(solved, iterations=iterations)
+            again = voids.shut_full(self.q, tolerance / dt, release=release) and self.solves < last
+            release = False
+        self.sides.join(self.q)
+        self.push(velocity)
+        p.fill(0.0)
+        run(scale_into, m.columns, self.q, self.rho / dt, p)
+        return replace(solved, iterations=iterations)
+
+    def _set_matrix(self, dt: float) -> None:
+        """The diagonal, with the lids that are open, and the preconditioner."""
+        m, V, lids, held = self.matrix, self.openings.V, self.voids.lids.at, self.voids.held
+        give = None if self.beta is None else self.beta * self.rho / dt**2
+        self.team.run(diagonals, m.faces, self.grid, V, self.wet, *m.b, give, m.diagonal)
+        m.diagonal[lids] += held
+
+        def hold(surface: np.ndarray, scale: float) -> None:
+            if give is not None:
+                self.team.run(add_give, m.columns, self.grid, V, self.wet, give, scale, surface)
+            surface[lids] += (scale * held).astype(surface.dtype)
+
+        if self.multigrid is not None:
+            self.multigrid.rebuild(m.faces, m.columns, self.ends, m.arrays, self.matrix_scale, hold)
+
+    def _balance(self, velocity: list, F: np.ndarray | None, dt: float, tolerance: float) -> None:
+        """The flows of sealed liquid add up to nothing."""
+        volume = float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
+        rooms = None if F is None else (self.grid, self.openings.V, F)
+        self.sealed.balance(
+            self.matrix.columns, self.wet, self.right, tolerance / dt * volume,
+            lambda surplus: self.exits.let_out(surplus, velocity, self.right),
+            self.voids.open_lids, *self.voids.full, rooms, dt,
+        )  # fmt: skip
+
+    def ease_gravity(self, velocity: list, dt: float) -> None:
+        """What gravity gives the faces of thin cells more than others, where the pressure acts on them."""
+        for u, b, g, thin in zip(velocity, self.matrix.b, self.sides.gravity, self.thin, strict=True):
+            if u is not None and thin is not None and g != 0.0:
+                self.team.run(add_rest, thin.columns, thin.acts, dt * float(g), b, u)
+
+    def gradients(self, p: np.ndarray, rows: tuple, velocity: list) -> tuple:
+        """grad p / rho [length/time2] on faces rows (n, 4) of u, v, w, None where that is; by the present surface."""
+        if all(r is None for r in rows):
+            return None, None, None
+        self.team.run(scale_liquid, self.matrix.faces, p, 1.0 / self.rho, self.wet, self.q)
+        self.sides.fill_pressure(self.q, 1.0, velocity)
+        found = []
+        for d, faces in enumerate(rows):
+            out = None
+            if faces is not None:
+                out = np.zeros(len(faces))
+                step = (int(d == 0), int(d == 1), np.uint64(d == 2))
+                A = self.openings[1 + d]
+                args = (self.matrix.b[d], *self.areas[d], self.eased, A, self.wet, self.q, step, out)
+                self.team.run(difference, faces, *args)
+            found.append(out)
+        return tuple(found)
+
+    def push(self, velocity: list) -> None:
+        """velocity -= grad q on all faces that the pressure acts on, those of sides included."""
+        m = self.matrix
+        for d in range(3):
+            if velocity[d] is not None:
+                step = (int(d == 0), int(d == 1), np.uint64(d == 2))
+                args = (m.b[d], *self.areas[d], self.openings[1 + d], self.q, step, velocity[d])
+                self.team.run(push, m.faces, *args)
+                outer = self.lower_faces[d]
+                if outer is not None:
+                    self.team.run(push, outer, *args)

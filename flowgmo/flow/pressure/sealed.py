@@ -1,0 +1,224 @@
+"""Liquid that is shut in: regions of the open space that hold no void and touch no pressure side.
+
+There the pressure is known up to a constant only, the matrix is singular, and the flows that are given at its sides
+must add up to nothing. Regions are connected open cells; solids that stand still cut them once. Whether one is full is
+a count of its liquid cells at every step. Void that is left in liquid cells without a surface that the pressure knows
+takes what flows in, as long as there is enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from flowgmo.flow.columns import cells_in
+from flowgmo.flow.fields import G, Open
+from flowgmo.flow.pressure.pressure_matrix import open_volume
+from flowgmo.kernel import inner, kernel
+
+NOWHERE = tuple(np.zeros(0, np.int64) for _ in range(3))  # index of no cell
+
+
+class PressedTogether(ValueError):
+    """Liquid flows into a full closed space; the text says where and what to do."""
+
+
+@kernel
+def _find(parent, a):
+    """The root of a cell's tree, with the way to it halved."""
+    while parent[a] != a:
+        parent[a] = parent[parent[a]]
+        a = parent[a]
+    return a
+
+
+@kernel
+def label_regions(V, Ax, Ay, Az, joined, label):
+    """Number the regions of open cells from 0 in `label` (-1: closed); returns how many.
+
+    joined (3,): the two sides across a direction are one (periodic).
+    """
+    nx, ny, nz = label.shape
+    parent = np.arange(nx * ny * nz)
+    for i in range(G, nx - G):
+        for j in range(G, ny - G):
+            for k in range(G, nz - G):
+                if V[i, j, k] == 0.0:
+                    continue
+                here = (i * ny + j) * nz + k
+                m = i + 1 if i + 1 < nx - G else G
+                if (m > i or joined[0]) and Ax[i, j, k] > 0.0 and V[m, j, k] > 0.0:
+                    parent[_find(parent, here)] = _find(parent, (m * ny + j) * nz + k)
+                m = j + 1 if j + 1 < ny - G else G
+                if (m > j or joined[1]) and Ay[i, j, k] > 0.0 and V[i, m, k] > 0.0:
+                    parent[_find(parent, here)] = _find(parent, (i * ny + m) * nz + k)
+                m = k + 1 if k + 1 < nz - G else G
+                if (m > k or joined[2]) and Az[i, j, k] > 0.0 and V[i, j, m] > 0.0:
+                    parent[_find(parent, here)] = _find(parent, (i * ny + j) * nz + m)
+    number = np.full(nx * ny * nz, -1, np.int32)
+    count = np.int64(0)
+    for i in range(nx):
+        for j in range(ny):
+            for k in range(nz):
+                label[i, j, k] = -1
+                inside = G <= i < nx - G and G <= j < ny - G and G <= k < nz - G
+                if inside and V[i, j, k] > 0.0:
+                    root = _find(parent, (i * ny + j) * nz + k)
+                    if number[root] < 0:
+                        number[root] = count
+                        count += 1
+                    label[i, j, k] = number[root]
+    return count
+
+
+@kernel
+def count_liquid(columns, wet, label, right, counts, sums):
+    """Per region: liquid cells, and the sum of their right-hand sides. label None: one region."""
+    for c in range(columns.shape[0]):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            if wet[i, j, k] != 0:
+                region = np.int64(0)
+                if label is not None:
+                    region = np.int64(label[i, j, k])
+                counts[region] += 1
+                sums[region] += right[i, j, k]
+
+
+@inner
+def _room(grid, V, F, i, j, k):
+    """Volume of the void in a cell [length3]."""
+    return max(1.0 - F[i, j, k], 0.0) * open_volume(grid, V, i, j, k)
+
+
+@kernel
+def sum_rooms(columns, wet, label, grid, V, F, rooms):
+    """Per region: the void in its liquid cells [length3]."""
+    for c in range(columns.shape[0]):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            if wet[i, j, k] != 0:
+                region = np.int64(0)
+                if label is not None:
+                    region = np.int64(label[i, j, k])
+                rooms[region] += _room(grid, V, F, i, j, k)
+
+
+@kernel
+def fill_rooms(columns, wet, label, grid, V, F, rate, right):
+    """right += rate[region] [1/time] times the void in liquid cells."""
+    for c in range(columns.shape[0]):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            if wet[i, j, k] != 0:
+                region = np.int64(0)
+                if label is not None:
+                    region = np.int64(label[i, j, k])
+                right[i, j, k] += rate[region] * _room(grid, V, F, i, j, k)
+
+
+@kernel
+def shift(columns, wet, label, amount, a):
+    """a += amount[region] in liquid cells."""
+    for c in range(columns.shape[0]):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        for k in range(columns[c, 2], columns[c, 3]):
+            if wet[i, j, k] != 0:
+                region = np.int64(0)
+                if label is not None:
+                    region = np.int64(label[i, j, k])
+                a[i, j, k] += amount[region]
+
+
+def _complaint(cells: int, inflow: float) -> str:
+    what, how = ("pressed together", "in and nothing can leave") if inflow > 0.0 else ("pulled apart", "out only")
+    return (
+        f"liquid that fills a closed space of {cells} cells is {what}: {abs(inflow):.3g} of volume a unit of time "
+        f"flows {how}. Give the space an opening, or rcsql"
+    )
+
+
+class Sealed:
+    """The regions of a scene. held (6,): sides whose pressure is given; joined (3,): periodic directions."""
+
+    def __init__(
+        self, openings: Open, shape: tuple[int, ...], held: tuple[bool, ...], joined: tuple[bool, ...]
+    ) -> None:
+        self.label = None
+        count, cells = 1, np.array([np.prod([n - 2 * G for n in shape])])
+        reached = np.array([any(held)])
+        if openings.V is not None:
+            self.label = np.empty(shape, np.int32)
+            count = label_regions(*openings, np.array(joined), self.label)
+            inside = self.label[G:-G, G:-G, G:-G]
+            cells = np.bincount(inside[inside >= 0], minlength=count)
+            reached = np.zeros(count, bool)
+            for side, is_held in enumerate(held):
+                if is_held:
+                    layer = np.moveaxis(inside, side // 2, 0)[-(side % 2)]
+                    reached[layer[layer >= 0]] = True
+        self.cells, self.reached = cells, reached
+        if count == 1:
+            self.label = None
+
+    def _region(self, cells: tuple) -> np.ndarray:
+        """Numbers of the regions of cells, given as an index of arrays of mesh size."""
+        return np.zeros(len(cells[0]), np.int64) if self.label is None else self.label[cells]
+
+    def may_be_full(self, liquid: int) -> bool:
+        """False where so few liquid cells cannot fill a sealed region."""
+        return bool((self.cells[~self.reached] <= liquid).any())
+
+    def balance(
+        self,
+        columns: np.ndarray,
+        wet: np.ndarray,
+        right: np.ndarray,
+        most: float,
+        let_out: Callable[[np.ndarray], np.ndarray] | None = None,
+        opened: tuple = NOWHERE,
+        shut: tuple = NOWHERE,
+        taken: np.ndarray | None = None,
+        rooms_of: tuple | None = None,
+        dt: float = 1.0,
+    ) -> bool:
+        """Make the right-hand side of every sealed region add up to zero; whether there is a sealed region.
+
+        let_out(surplus (n,) [length3/time]): lets it leave, also from `right`, and returns what could not (exits.py).
+        opened: indices of liquid cells that have a surface inside (lids.py); shut: of those whose void takes no more
+        than `taken`, which is in `right`. rooms_of (grid, V, F): where that does not add up, all voids in liquid cells
+        take what flows in within dt, each by its volume; without, or where they are too small, raises PressedTogether
+        if more than `most` [length3/time] a cell would have to be left out.
+        """
+        if not self.may_be_full(cells_in(columns)):
+            return False
+        n = len(self.cells)
+        counts, sums = np.zeros(n, np.int64), np.zeros(n)
+        count_liquid(columns, wet, self.label, right, counts, sums)
+        with_surface = np.bincount(self._region(opened), minlength=n) > 0
+        sealed = (counts == self.cells) & ~self.reached & (counts > 0) & ~with_surface
+        if not sealed.any():
+            return False
+        if let_out is not None:
+            sums = let_out(np.where(sealed, sums, 0.0))
+        many = sealed & (np.abs(sums) > most * counts)
+        if many.any():
+            if taken is not None:
+                undone = np.where(many[self._region(shut)], taken, 0.0)
+                right[shut] += undone
+                sums += np.bincount(self._region(shut), undone, n)
+            rooms = np.zeros(n)
+            if rooms_of is not None:
+                sum_rooms(columns, wet, self.label, *rooms_of, rooms)
+            for k in np.flatnonzero(many & (np.abs(sums) * dt > rooms)):
+                raise PressedTogether(_complaint(int(counts[k]), float(sums[k])))
+            rate = np.where(many, -sums / np.where(rooms > 0.0, rooms, 1.0), 0.0)
+            fill_rooms(columns, wet, self.label, *rooms_of, rate, right)
+            sums = np.where(many, 0.0, sums)  # to round-off
+        shift(columns, wet, self.label, np.where(sealed, -sums / np.maximum(counts, 1), 0.0), right)
+        return True

@@ -1,0 +1,103 @@
+"""Where the free surface lies between two cell centres, for the pressure (second order).
+
+A cell is liquid where its centre is. Between the centre of a liquid cell and that of its neighbour in the air the
+surface is met where the plane of one of the two cells (PLIC, plic.py) crosses the line through the centres:
+
+    centre of the liquid cell  o------------|====x=====|----------o  centre of the other        x: the plane
+                               0     own half   other half        h
+
+The crossing counts for the plane of the cell in whose half it lies. Where no plane does, since they do not fit at the
+face or a solid hides how the surface lies, what both cells hold is taken for a column of liquid along the line.
+"""
+
+from __future__ import annotations
+
+import math
+
+from flowgmo.flow.pressure.lids import may_have_lid
+from flowgmo.flow.pressure.pockets import POCKET
+from flowgmo.flow.surface.plic import FULL, crossing, is_mixed
+from flowgmo.flow.surface.surface_normals import near_solids, plane_of_cell
+from flowgmo.kernel import flow_kernel, inner
+
+LEAST = 0.1  # of the own cell: a guess must not put the surface into the centre, where any pressure is a jet
+DRY, WET = 0.01, 0.99  # F of a cell that a solid cuts: outside, what is missing is no surface that a plane could show
+NEAREST = 1e-3  # least share of h, and depth of the centre of a liquid cell in widths: keeps 1 / theta finite
+
+
+@flow_kernel
+def mark_liquid(columns, first, last, F, V, opened, steps, closed, wet, lids):
+    """wet (int8, mesh) = 1 in cells whose centre lies in the liquid, 0 in the others of the columns.
+
+    F None: no free surface, all open cells. In cells that a solid cuts the plane decides, since F is a share of what is
+    open there; everywhere else F >= 1/2 says the same. By NEAREST more than that: with the surface in the very centre
+    1 / theta would be cut off, and cells that round-off makes wet or dry would have pressures apart by 1e-3 rho g h:
+    water at rest swung at .2 m/s. Others that a solid cuts are POCKET (pockets.py). lids
+    (columns,): how many of the cells are that or may have a void under a closed face (lids.py, with `closed`).
+    """
+    for c in range(first, last):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        lids[c] = 0
+        for k in range(columns[c, 2], columns[c, 3]):
+            liquid = True
+            if F is not None:
+                liquid = F[i, j, k] >= 0.5 + NEAREST
+            if V is not None:
+                if V[i, j, k] == 0.0:
+                    liquid = False
+                elif F is not None:
+                    if DRY < F[i, j, k] < WET and near_solids(V, i, j, k):
+                        m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
+                        if m[0] != 0.0 or m[1] != 0.0 or m[2] != 0.0:
+                            size = abs(m[0]) + abs(m[1]) + abs(m[2])
+                            liquid = 0.5 * (m[0] + m[1] + m[2]) + NEAREST * size <= alpha
+            wet[i, j, k] = 1 if liquid else 0
+            if F is not None:
+                if liquid and F[i, j, k] < FULL:  # no call for full cells: it costs more than all the rest
+                    if may_have_lid(F, opened, closed, i, j, k):
+                        lids[c] += 1
+                if V is not None:
+                    if not liquid and 0.0 < V[i, j, k] < 1.0:
+                        wet[i, j, k] = POCKET
+                        lids[c] += 1
+
+
+@inner
+def _met(F, V, opened, steps, i, j, k, d, sign):
+    """Distance [cell widths] from the centre of (i, j, k) to its plane along sign * axis d; inf without one."""
+    if not is_mixed(F[i, j, k]):
+        return math.inf
+    m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
+    return sign * crossing(m, alpha, d)
+
+
+@inner
+def _near_centre(F, V, opened, steps, i, j, k):
+    """Whether a cell's plane passes its centre as near as cells beside it may be dry by round-off."""
+    if not is_mixed(F[i, j, k]):
+        return False
+    m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
+    size = abs(m[0]) + abs(m[1]) + abs(m[2])
+    return size > 0.0 and abs(0.5 * (m[0] + m[1] + m[2]) - alpha) <= 3.0 * NEAREST * size
+
+
+@inner
+def wet_share(F, V, opened, steps, own, other, d, sign, own_wide, other_wide):
+    """Share of the distance of two centres that is wet: own (i, j, k) is liquid, other beyond sign * d is not.
+
+    inf where the plane runs along the line through the own centre: other is as good as liquid, nothing drives it.
+    """
+    h = 0.5 * (own_wide + other_wide)
+    near = _met(F, V, opened, steps, own[0], own[1], own[2], d, sign)
+    if -NEAREST <= near <= 0.5:  # a plane through the very centre, where F = 1/2, may round to either side of it
+        return max(near * own_wide / h, NEAREST)
+    far = _met(F, V, opened, steps, other[0], other[1], other[2], d, -sign)
+    if -2.0 * NEAREST <= far <= 0.5:  # the centre of a dry cell may lie as deep as that
+        return max((h - far * other_wide) / h, NEAREST)
+    if _near_centre(F, V, opened, steps, own[0], own[1], own[2]):
+        return math.inf
+    # planes that do not meet the line say little: what both cells hold, as if the surface lay across it
+    filled = F[own[0], own[1], own[2]] * own_wide + F[other[0], other[1], other[2]] * other_wide
+    distance = min(max(filled - 0.5 * own_wide, LEAST * own_wide), h)
+    return max(distance / h, NEAREST)

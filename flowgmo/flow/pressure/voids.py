@@ -1,0 +1,120 @@
+"""What is left empty beside closed faces, during one projection: how much may flow in, and what is full by then.
+
+Two kinds: lids (lids.py), liquid cells with their surface inside, and pockets (pockets.py), cut cells beside the
+liquid that it has not reached the centre of. Both let liquid in at zero pressure until their bound is reached:
+
+    begin       all are open
+    enter       into the matrix and the right-hand side of the next solution
+    shut_full   those that would take more than their bound: they are given it, and the pressure is solved again
+
+Those that were shut in the step before have a pressure in the first guess, and begin shut.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.flow.fields import Grid, Open
+from flowgmo.flow.pressure.lids import ABSENT, OPEN, SHUT, Lids, bound, find_lids, no_lids, outflow
+from flowgmo.flow.pressure.pockets import pocket_flows, take_pockets
+from flowgmo.flow.surface.surface_normals import Steps
+from flowgmo.flow_plan import SidePlan
+from flowgmo.mesh import SYMMETRY, WALL
+
+
+def closed_sides(plans: tuple[SidePlan, ...], present: tuple[bool, ...]) -> np.ndarray:
+    """(6,) int8: OPEN, SHUT or ABSENT (lids.py) for the sides of the domain."""
+    kinds = [SHUT if plan.kind in (SYMMETRY, WALL) else OPEN for plan in plans]
+    return np.array([kind if present[n // 2] else ABSENT for n, kind in enumerate(kinds)], np.int8)
+
+
+class Voids:
+    """Of one scene; found anew for every surface (`find`). shut (lids + pockets,): which are full by now."""
+
+    def __init__(self, grid: Grid, openings: Open, steps: Steps, closed: np.ndarray) -> None:
+        self.grid, self.openings, self.steps, self.closed = grid, openings, steps, closed
+        self.lids: Lids = no_lids()
+        self.pockets = self.cells = np.empty((0, 3), np.int32)
+
+    def find(self, columns: np.ndarray, counts: np.ndarray, F: np.ndarray, wet: np.ndarray) -> None:
+        """As mark_liquid left `wet` and the counts of the columns; pockets are 0 in `wet` after, or 1 amid liquid."""
+        self.pockets = np.empty((int(counts.sum()) if self.openings.V is not None else 0, 3), np.int32)
+        if len(self.pockets):
+            self.pockets = self.pockets[
+                : take_pockets(columns, counts, F, self.openings, self.closed, wet, self.pockets)
+            ]
+        self.lids = find_lids(columns, counts, F, self.openings, self.steps, self.grid, self.closed, wet)
+        self.cells = np.concatenate([self.lids.cells, self.pockets])
+        self.volume = np.concatenate([self.lids.volume, np.prod([
+            d[k] for d, k in zip(self.grid[:3], self.pockets.T, strict=True)
+        ], axis=0)])  # fmt: skip
+
+    def begin(
+        self, velocity: list, b: tuple, F: np.ndarray | None, q: np.ndarray, wet: np.ndarray, dt: float, guess: bool
+    ) -> None:
+        """Take the predicted velocities. All voids are open, or, guess, as the first guess q of the pressure has it."""
+        self.known = velocity, b, F, dt
+        self.wet, n = wet, len(self.lids.cells)
+        own = tuple(self.pockets.T)
+        pressed = (q[own] > 0.0) & guess
+        q[own] *= pressed
+        wet[own] = pressed
+        self.shut = np.zeros(n + len(self.pockets), bool)
+        self.predicted = outflow(self.lids, velocity)
+        self._look(q)
+        if guess:
+            self.shut[:n] = self.flow[:n] > self.most[:n]
+            self.shut[n:] = pressed
+
+    def _look(self, q: np.ndarray) -> None:
+        """Flows and bounds (voids,) [length3/time] with the pressure q."""
+        velocity, b, F, dt = self.known
+        lids, n = self.lids, len(self.lids.cells)
+        most = bound(lids, self.grid, self.openings, velocity, b, q, dt)
+        at = pocket_flows(self.pockets, F, self.openings, self.steps, self.grid, velocity, b, q, dt)
+        self.pocket_inflow = at[:, 0]
+        self.flow = np.concatenate([self.predicted + lids.conductance * q[lids.at], at[:, 1]])
+        self.most = np.concatenate([most, at[:, 2]])
+        self.shut_lids, self.shut_pockets = self.shut[:n], self.shut[n:]
+
+    @property
+    def held(self) -> np.ndarray:
+        """(lids,) [length]: what the open lids add to the diagonal."""
+        return np.where(self.shut_lids, 0.0, self.lids.conductance)
+
+    @property
+    def open_lids(self) -> tuple:
+        """Indices of the liquid cells that have a surface inside."""
+        return tuple(self.lids.cells[~self.shut_lids].T)
+
+    @property
+    def full(self) -> tuple[tuple, np.ndarray]:
+        """Indices of shut voids, and what they take [length3/time]."""
+        return tuple(self.cells[self.shut].T), self.most[self.shut]
+
+    def enter(self, right: np.ndarray) -> None:
+        """Into the right-hand side of the liquid cells' predicted net inflow."""
+        n, self.taken = len(self.lids.cells), self.most
+        right[self.lids.at] -= np.where(self.shut_lids, self.most[:n], self.predicted)
+        own = tuple(self.pockets[self.shut_pockets].T)
+        right[own] = (self.pocket_inflow - self.most[n:])[self.shut_pockets]
+
+    def shut_full(self, q: np.ndarray, slack: float, *, release: bool) -> bool:
+        """Shut what takes more than its bound and `slack` [1/time] of its cell; whether anything changed.
+
+        release: open again what a guess has shut and needs no pressure. Not twice: from then on pressures only rise.
+        """
+        if not len(self.shut):
+            return False
+        self._look(q)
+        n, before = len(self.lids.cells), self.shut.copy()
+        more = self.flow > self.most + slack * self.volume
+        more[n:] &= ~self.shut_pockets
+        kept = np.concatenate(
+            [self.flow[:n] > self.most[:n] - slack * self.volume[:n], q[tuple(self.pockets.T)] >= 0.0]
+        )
+        self.shut[:] = more | (self.shut & kept if release else self.shut)
+        own = tuple(self.pockets.T)
+        self.wet[own] = self.shut_pockets
+        q[own] *= self.shut_pockets
+        return bool((self.shut != before).any())

@@ -1,0 +1,1 @@
+"""The free surface: the liquid's share of each cell, its planes, and how it is carried along."""

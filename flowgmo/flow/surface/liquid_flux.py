@@ -1,0 +1,62 @@
+"""The liquid that crosses a face in dt: A u dt times the liquid's share of the slab it comes from.
+
+                 <- u dt ->
+       +---------+---------+          share: liquid in the slab beside the face, u dt thick, of the cell upwind, in
+       |         |#########| face     shares of the slab (of its open part where a solid cuts the cell): from the
+       |  .  ' - |####     |   -> u   plane of surface_normals.py, F itself where the cell is full or empty.
+       | '       |         |
+       +---------+---------+
+
+The slab of a cell that is not cut holds at most |u| dt, so that no face takes out more than there is.
+"""
+
+from __future__ import annotations
+
+from flowgmo.flow.surface.carriers import across_column, columns_of_faces, travel, upwind, upwind_cell
+from flowgmo.flow.surface.plic import is_mixed, is_plane, plane_offset, share_of_slab
+from flowgmo.flow.surface.surface_at_solids import plane_at_solids, share_in_cut_cell
+from flowgmo.flow.surface.surface_normals import near_solids, surface_vector
+from flowgmo.kernel import flow_kernel, inner
+
+
+@flow_kernel
+def plic_flux(columns, first, last, own, dt, F, V, opened, steps, flux):
+    """flux [length] of the upper faces of the columns, and of the domain's lower sides beside them.
+
+    own Carrier, F [-] with ghosts, V opened.V, opened Open, steps Steps, flux (mesh) on faces.
+    """
+    d, q, A, across, along = own.way.d, own.q, own.A, own.way.across, own.way.along
+    x, y, z = steps.x, steps.y, steps.z
+    for c in range(first, last):
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        for back in range(columns_of_faces(d, i, j)):
+            a, b = i - (back if d == 0 else 0), j - (back if d == 1 else 0)
+            bottom = k0 - 1 if d == 2 else k0
+            upwind(d, q, A, dt, F, a, b, bottom, k1, flux)
+            for k in range(bottom, k1):
+                e, f, g = upwind_cell(q[a, b, k], d, a, b, k)
+                if not is_mixed(F[e, f, g]) or flux[a, b, k] == 0.0:
+                    continue
+                thick = min(abs(q[a, b, k]) * dt * along[g] * across_column(d, across, e, f), 1.0)
+                low, high = (1.0 - thick, 1.0) if q[a, b, k] > 0.0 else (0.0, thick)
+                solid = False
+                if V is not None:
+                    if near_solids(V, e, f, g):
+                        solid = True
+                        share = _share_at_solids(F, V, opened, steps, e, f, g, d, low, high)
+                if not solid:
+                    m = surface_vector(F, x, y, z, e, f, g)
+                    alpha = plane_offset(m, F[e, f, g])
+                    share = share_of_slab(m, alpha, d, low, high) if is_plane(m) else F[e, f, g]
+                flux[a, b, k] = travel(q, A, dt, a, b, k) * share
+
+
+@inner
+def _share_at_solids(F, V, opened, steps, i, j, k, d, low, high):
+    """Liquid share of the open part of a slab in a mixed cell that is cut or has cut or closed neighbours."""
+    m, alpha = plane_at_solids(F, opened, steps, i, j, k)
+    if not is_plane(m):
+        return F[i, j, k]
+    if V[i, j, k] < 1.0:
+        return share_in_cut_cell(m, alpha, opened, i, j, k, F[i, j, k], d, low, high)
+    return share_of_slab(m, alpha, d, low, high)

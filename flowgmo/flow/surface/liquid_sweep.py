@@ -1,0 +1,118 @@
+"""One sweep of the liquid along one direction (the equation is in surface_tracking.py), and where there is liquid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.flow.fields import G
+from flowgmo.flow.surface.carriers import U, across_column, ahead
+from flowgmo.kernel import flow_kernel, inner, kernel
+
+FIRST, LAST = 1, 2  # bits of `kind`
+
+
+@inner
+def _stretch(d, q, A, along, scale, i, j, k0, k1, heavy, F):
+    """F += scale (A+ q+ - A- q-) along in the heavy cells of a column."""
+    di, dj, dk = ahead(d)
+    for k in range(k0, k1):
+        high, low = q[i, j, k], q[i - di, j - dj, k - dk]
+        if A is not None:
+            high *= A[i, j, k]
+            low *= A[i - di, j - dj, k - dk]
+        F[i, j, k] += scale * along[k] * (high - low) if heavy[i, j, k] == 1 else 0.0
+
+
+@inner
+def _restore(carrier, A, columns, first, last, dt, heavy, F):
+    """Take back what an earlier sweep added to heavy cells against their stretching."""
+    d, q, across, along = carrier.way.d, carrier.q, carrier.way.across, carrier.way.along
+    for c in range(first, last):
+        i, j = columns[c, 0], columns[c, 1]
+        scale = -dt * across_column(d, across, i, j)
+        _stretch(d, q, A, along, scale, i, j, U(columns[c, 2]), U(columns[c, 3]), heavy, F)
+
+
+@flow_kernel
+def sweep(columns, first, last, kind, own, A, one, two, dt, F, V, flux, heavy):
+    """F after the sweep along own.way; after the LAST, with solids, V F.
+
+    own Carrier with its A; one, two: the Carriers of the sweeps before the last one, None in others. flux [length] on
+    the faces of own.way. heavy int8, written in the FIRST sweep: 1 where F > 1/2, and the stretching is undone.
+    Short loops over k, each with few arrays: with more than that, the compiler does not vectorise.
+    """
+    d, q, across, along = own.way.d, own.q, own.way.across, own.way.along
+    di, dj, dk = ahead(d)
+    for c in range(first, last):
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], U(columns[c, 2]), U(columns[c, 3])
+        if kind & FIRST:
+            for k in range(k0, k1):
+                heavy[i, j, k] = 1 if F[i, j, k] > 0.5 else 0
+        if V is not None:
+            for k in range(k0, k1):
+                F[i, j, k] *= V[i, j, k]
+        scale = across_column(d, across, i, j)
+        for k in range(k0, k1):
+            F[i, j, k] += scale * along[k] * (flux[i - di, j - dj, k - dk] - flux[i, j, k])
+        if (kind & LAST) == 0:
+            _stretch(d, q, A, along, dt * scale, i, j, k0, k1, heavy, F)
+            if V is not None:
+                for k in range(k0, k1):
+                    F[i, j, k] /= V[i, j, k] if V[i, j, k] > 0.0 else 1.0
+    if one is not None:
+        _restore(one, one.A, columns, first, last, dt, heavy, F)
+    if two is not None:
+        _restore(two, two.A, columns, first, last, dt, heavy, F)
+
+
+@flow_kernel
+def through_sides(columns, first, last, d, n, flux, grid, through):
+    """through (columns, 2) [length^3]: liquid that came in by the lower and upper side of direction d, n cells long.
+
+    flux [length] on the faces of that direction.
+    """
+    for c in range(first, last):
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        low, high = 0.0, 0.0
+        if d == 2:
+            area = grid.dx[i] * grid.dy[j]
+            low = flux[i, j, G - 1] * area if k0 == G else 0.0
+            high = -flux[i, j, n + G - 1] * area if k1 == n + G else 0.0
+        elif (i if d == 0 else j) == G or (i if d == 0 else j) == n + G - 1:
+            width = grid.dy[j] if d == 0 else grid.dx[i]
+            place = i if d == 0 else j
+            for k in range(k0, k1):
+                area = width * grid.dz[k]
+                if place == G:
+                    low += area * (flux[i - 1, j, k] if d == 0 else flux[i, j - 1, k])
+                if place == n + G - 1:
+                    high -= area * flux[i, j, k]
+        through[c, 0], through[c, 1] = low, high
+
+
+@kernel
+def wet_columns(F, bounds):
+    """Columns (n, 4) int32 of the cells, the first layer of ghosts among them, that hold liquid.
+
+    Dust and negative remainders count. bounds (F.shape[0], F.shape[1], 2) int32: scratch.
+    """
+    nx, ny, nz = F.shape
+    n = np.int64(0)
+    for i in range(G - 1, nx - G + 1):
+        for j in range(G - 1, ny - G + 1):
+            k0, k1 = np.int64(G - 1), np.int64(nz - G)
+            while k0 <= k1 and F[i, j, k0] == 0.0:
+                k0 += 1
+            while k1 > k0 and F[i, j, k1] == 0.0:
+                k1 -= 1
+            bounds[i, j, 0], bounds[i, j, 1] = k0, k1 + 1
+            n += 1 if k0 <= k1 else 0
+    columns = np.empty((n, 4), np.int32)
+    n = np.int64(0)
+    for i in range(G - 1, nx - G + 1):
+        for j in range(G - 1, ny - G + 1):
+            if bounds[i, j, 0] < bounds[i, j, 1]:
+                columns[n, 0], columns[n, 1] = i, j
+                columns[n, 2], columns[n, 3] = bounds[i, j, 0], bounds[i, j, 1]
+                n += 1
+    return columns

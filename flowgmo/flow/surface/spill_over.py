@@ -1,0 +1,119 @@
+"""After the sweeps: what a cell cut by a solid could not hold, or lacks, is settled with its open neighbours.
+
+A u dt may exceed the little open volume V of such a cell, so that V F ends above V or below 0. Only this excess moves:
+
+    to neighbour n   weight A_n (face area) (V - V F)_n      what is too much goes where there is room
+    from neighbour n weight A_n (face area) (V F)_n          what is missing comes from where there is liquid
+
+Where all are full the weight is A V: a share of a larger cell is less overfull than all of a small one. The volume
+given is the volume taken, to round-off: a donor leaves its excess over the sum of weights in `rate`, and each
+receiver takes rate times its own weight, so that a kernel writes to its own column only.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.flow.fields import G
+from flowgmo.flow.surface.plic import EMPTY
+from flowgmo.kernel import flow_kernel, inner
+
+ANYWAY = 1e-6  # [-] weight of a full neighbour beside that of an empty one: only where nobody has room does it count
+
+
+@inner
+def _excess(V, liquid):
+    """What is above V or below 0, beyond round-off, of the liquid V F."""
+    if liquid > V + EMPTY * V:
+        return liquid - V
+    return liquid if liquid < -EMPTY * V else 0.0
+
+
+@inner
+def _appetite(V, liquid, much):
+    """Weight per area of a receiver: room for too much, liquid against too little."""
+    if much:
+        return max(V - liquid, 0.0) + ANYWAY * V
+    return max(liquid, 0.0)
+
+
+@inner
+def _neighbour(n, i, j, k):
+    """Cell across face n = 0 .. 5 (Xmin .. Zmax)."""
+    s = np.int64(1 if n % 2 == 1 else -1)
+    return (
+        i + (s if n < 2 else 0),
+        j + (s if n == 2 or n == 3 else 0),
+        k + (s if n > 3 else 0),
+    )
+
+
+@inner
+def _open_area(n, i, j, k, opened, grid):
+    """Open area [length^2] of face n; 0 on the sides of the domain, where nothing is settled."""
+    nx, ny, nz = opened.V.shape
+    if n < 2:
+        if (n == 0 and i == G) or (n == 1 and i == nx - G - 1):
+            return 0.0
+        return opened.Ax[i - (1 if n == 0 else 0), j, k] * grid.dy[j] * grid.dz[k]
+    if n < 4:
+        if (n == 2 and j == G) or (n == 3 and j == ny - G - 1):
+            return 0.0
+        return opened.Ay[i, j - (1 if n == 2 else 0), k] * grid.dx[i] * grid.dz[k]
+    if (n == 4 and k == G) or (n == 5 and k == nz - G - 1):
+        return 0.0
+    return opened.Az[i, j, k - (1 if n == 4 else 0)] * grid.dx[i] * grid.dy[j]
+
+
+@flow_kernel
+def find_excess(columns, first, last, liquid, V, opened, grid, rate):
+    """rate [length] = excess volume / sum of (weight, area) over the open faces of each cut cell, 0 elsewhere.
+
+    liquid V F [-], V at the end of the step, opened with the areas that carried the liquid.
+    """
+    for c in range(first, last):
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        for k in range(k0, k1):
+            rate[i, j, k] = 0.0
+            if V[i, j, k] >= 1.0:
+                continue
+            excess = _excess(V[i, j, k], liquid[i, j, k])
+            if excess == 0.0:
+                continue
+            total = 0.0
+            for n in range(6):
+                a, b, e = _neighbour(n, i, j, k)
+                total += _open_area(n, i, j, k, opened, grid) * _appetite(V[a, b, e], liquid[a, b, e], excess > 0.0)
+            if total > 0.0:
+                rate[i, j, k] = excess * (grid.dx[i] * grid.dy[j] * grid.dz[k]) / total
+
+
+@flow_kernel
+def settle(columns, first, last, F, V, opened, grid, rate, books):
+    """Hand over the excess, turn V F into F again (with solids: F holds V F before), and note the extremes.
+
+    V at the end of the step, None without solids. books (columns, 3): largest V F - V, least V F [-], and liquid
+    [length^3] of closed cells that found no open neighbour and is lost.
+    """
+    for c in range(first, last):
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        over, under, lost = 0.0, 0.0, 0.0
+        for k in range(k0, k1):
+            if V is not None:
+                size, liquid = V[i, j, k], F[i, j, k]
+                now = liquid
+                if rate[i, j, k] != 0.0:
+                    now = size if liquid > 0.0 else 0.0
+                for n in range(6):
+                    a, b, e = _neighbour(n, i, j, k)
+                    r = rate[a, b, e]
+                    if r != 0.0:
+                        weight = _open_area(n, i, j, k, opened, grid) * _appetite(size, liquid, r > 0.0)
+                        now += r * weight / (grid.dx[i] * grid.dy[j] * grid.dz[k])
+                over, under = max(over, now - size), min(under, now)
+                if size <= 0.0:
+                    lost += now * (grid.dx[i] * grid.dy[j] * grid.dz[k])
+                F[i, j, k] = now / size if size > 0.0 else 0.0
+            else:
+                over, under = max(over, F[i, j, k] - 1.0), min(under, F[i, j, k])
+        books[c, 0], books[c, 1], books[c, 2] = over, under, lost

@@ -1,0 +1,164 @@
+"""Moving the liquid: d(V F)/dt + div(A u F) = 0 with the face velocities of the projection.
+
+One direction after the other. In the sweep along x the flux through a face is A u dt times the liquid share of the
+slab, u dt thick, that leaves the cell it comes from (liquid_flux.py), and
+
+    V F* = V F + c dt (A+ u+ - A- u-) / dx - (flux+ - flux-) / dx      c = 1 where F > 1/2 at the start of the step
+
+The middle term undoes the stretching of a sweep that by itself is not divergence-free, so that a full cell stays full
+and an empty one empty: Weymouth and Yue 2010 ("Conservative Volume-of-Fluid method for free-surface simulations on
+Cartesian-grids", J. Comput. Phys. 229). With c constant over the step the middle terms add up to
+c dt div(A u) = 0; 0 <= F <= 1 holds where sum |u| dt / dx <= 1/2. Here the last sweep takes minus the sum of the
+others: all middle terms cancel whatever div(A u) is, what is left telescopes over the faces, and the liquid's volume
+changes by what passed the domain's sides, to round-off. A cell that the projection left with div(A u) != 0 becomes
+a little over- or underfull, which the next projection takes back. Nothing is clipped; dust stays where it is or drifts.
+
+The order of the sweeps goes through all permutations, each followed by its reverse.
+
+Where solids cut cells, what their little open volume V could not take up goes to the neighbours (spill_over.py).
+A body that moves changes V during the step, to V_after: in full cells A u and the body's swept flux balance, so that
+V F arrives at V_after by itself; V_after is only needed to divide by it and to see the excess.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from flowgmo.flow.columns import widen
+from flowgmo.flow.fields import Flow, Grid, Open
+from flowgmo.flow.surface.carriers import Carrier, Way
+from flowgmo.flow.surface.liquid_flux import plic_flux
+from flowgmo.flow.surface.liquid_sweep import FIRST, LAST, sweep, through_sides, wet_columns
+from flowgmo.flow.surface.spill_over import find_excess, settle
+from flowgmo.flow.surface.surface_normals import Steps, steps_of
+from flowgmo.flow.team import Team
+
+ORDERS = {
+    1: ((0,),),
+    2: ((0, 1), (1, 0)),
+    3: ((0, 1, 2), (2, 1, 0), (1, 2, 0), (0, 2, 1), (2, 0, 1), (1, 0, 2)),
+}
+
+
+@dataclass
+class Tracking:
+    """What the liquid's motion needs besides Flow: 9 bytes per cell.
+
+    carry: kernel that fills flux, `liquid_flux.plic_flux` or `donor_acceptor.donor_acceptor_flux`. flux [length]:
+    A u dt times the liquid's share, of one direction at a time, located like u. heavy int8: c above.
+    """
+
+    grid: Grid
+    steps: Steps
+    ways: tuple[Way, Way, Way]
+    carry: Callable
+    flux: np.ndarray
+    heavy: np.ndarray
+    bounds: np.ndarray  # (n, n, 2) int32: scratch of `widen`
+
+
+class Moved(NamedTuple):
+    """The books of a step.
+
+    entered (6,) [length^3]: liquid that came in through Xmin .. Zmax. over, under: largest V F - V and least V F of
+    all cells, in shares of a cell, 0 if none. lost [length^3]: of cells that closed with no open face, else 0.
+    """
+
+    entered: np.ndarray
+    over: float
+    under: float
+    lost: float
+
+
+def tracking_of(grid: Grid, carry: Callable = plic_flux) -> Tracking:
+    """Scratch arrays for a mesh, and the kernel that takes the liquid across faces."""
+    shape = (len(grid.dx), len(grid.dy), len(grid.dz))
+    even = np.ones(shape[2])
+    ways = Way(0, 1.0 / grid.dx, even), Way(1, 1.0 / grid.dy, even), Way(2, np.ones(1), 1.0 / grid.dz)
+    bounds = np.zeros((*shape[:2], 2), np.int32)
+    return Tracking(grid, steps_of(grid), ways, carry, np.zeros(shape), np.zeros(shape, np.int8), bounds)
+
+
+def move_liquid(
+    team: Team,
+    tracking: Tracking,
+    flow: Flow,
+    opened: Open,
+    dt: float,
+    number: int,
+    fill: Callable[[np.ndarray], None],
+    V_after: np.ndarray | None = None,
+) -> Moved:
+    """Advance flow.F by dt [time] with the velocities u, v, w on faces; absent directions (None) are skipped.
+
+    number of the step chooses the order of the sweeps. fill(F) sets the two ghost layers of F, corners too: mirror
+    at walls, symmetry and absent directions, copy where periodic, what flows in at open sides; it is called before
+    every sweep. V_after (mesh) [-]: open fractions at the end of the step, None if they stay.
+    Holds after: the total of V F changed by what entered, to round-off; closed cells are dry.
+    """
+    F, own = flow.F, zip((flow.u, flow.v, flow.w), opened[1:], tracking.ways, strict=True)
+    carriers = [Carrier(q, A, way) for q, A, way in own if q is not None]
+    fill(F)
+    entered = np.zeros(6)
+    wet = widen(wet_columns(F, tracking.bounds), 1, F.shape, tracking.bounds)
+    if len(wet) == 0 or not carriers:
+        return Moved(entered, 0.0, 0.0, 0.0)
+    around = widen(wet, 1, F.shape, tracking.bounds)
+    orders = ORDERS[len(carriers)]
+    order = [carriers[n] for n in orders[number % len(orders)]]
+    for at, carrier in enumerate(order):
+        if at > 0:
+            fill(F)
+        team.run(tracking.carry, around, carrier, dt, F, opened.V, opened, tracking.steps, tracking.flux)
+        _sweep(team, tracking, wet, order, at, F, opened.V, dt)
+        d = carrier.way.d
+        entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
+    return Moved(entered, *_settle(team, tracking, wet, around, F, opened, V_after))
+
+
+def _sweep(
+    team: Team,
+    tracking: Tracking,
+    wet: np.ndarray,
+    order: list[Carrier],
+    at: int,
+    F: np.ndarray,
+    V: np.ndarray | None,
+    dt: float,
+) -> None:
+    """Sweep number `at` of the order, with the fluxes in tracking.flux."""
+    last = at == len(order) - 1
+    before = (*order[:at], None, None)[:2] if last else (None, None)
+    kind = (FIRST if at == 0 else 0) | (LAST if last else 0)
+    own = order[at]
+    team.run(sweep, wet, kind, own, own.A, *before, dt, F, V, tracking.flux, tracking.heavy)
+
+
+def _passed(team: Team, tracking: Tracking, wet: np.ndarray, d: int) -> np.ndarray:
+    """(2,) [length^3]: liquid that came in through the lower and upper side of direction d."""
+    through = np.empty((len(wet), 2))
+    n = tracking.flux.shape[d] - 4  # two ghost layers at each end
+    team.run(through_sides, wet, d, n, tracking.flux, tracking.grid, through)
+    return through.sum(axis=0)
+
+
+def _settle(
+    team: Team,
+    tracking: Tracking,
+    wet: np.ndarray,
+    around: np.ndarray,
+    F: np.ndarray,
+    opened: Open,
+    V_after: np.ndarray | None,
+) -> tuple[float, float, float]:
+    """(over, under, lost) once the excess of cut cells has gone to their neighbours; V F has become F."""
+    V = opened.V if V_after is None else V_after
+    books = np.empty((len(wet), 3))
+    if V is not None:
+        team.run(find_excess, around, F, V, opened, tracking.grid, tracking.flux)
+    team.run(settle, wet, F, V, opened, tracking.grid, tracking.flux, books)
+    return float(books[:, 0].max()), float(books[:, 1].min()), float(books[:, 2].sum())
