@@ -75,7 +75,9 @@ class Pace:
     def _next_wet_time(self, world: World, most: float, landing: float) -> tuple[float, bool]:
         """As long as the liquid allows; the last two steps before a landing share what is left."""
         t, clock = self.state.t, self.model.clock
-        longest = world.liquid.longest_step(self.state.fluid, clock.dt)
+        state, wet = self.state, world.wet_bodies
+        bodies = wet.longest_step(state.v_WB, state.w_WB) if wet is not None else np.inf
+        longest = world.liquid.longest_step(state.fluid, clock.dt, bodies)
         dt = min(most, longest)
         self.wanted = dt * (1.0 - LAND)  # a step shorter than that is shared before a landing
         self.bounded_by = world.liquid.limiting if longest <= most else "largest step"

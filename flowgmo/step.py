@@ -5,14 +5,13 @@
 
 A scene with liquid has, before these,
 
+    open fractions for the step                  mean of now and of where bodies that move are expected
     predict u* = u + dt a                        advection, gravity, viscosity
-    project: u and p together                    the faces of every liquid cell let out what they let in
+    project: u, p, and velocities of bodies      the faces of every liquid cell let out what they let in
 
 and after them
 
-    move the liquid                              with the projection's fluxes
-
-(bodies that move in the liquid are not computed yet).
+    move the liquid                              with the projection's fluxes, into what the bodies leave open now
 
 Off means absent: `World.stages` holds only what the Model's effects ask for, and kernels get None for missing parts.
 """
@@ -26,8 +25,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flowgmo.bodies.arrays import STILL, pack
+from flowgmo.bodies.laws import Laws
 from flowgmo.bodies.move import move_alone
-from flowgmo.errors import StepFailed
+from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.model import Model
 from flowgmo.records import CLUSTER, IMPACT, LIMIT, Rows, no_impacts
 from flowgmo.rows import energy_at_start, ledger_of, make_rows
@@ -50,6 +50,8 @@ def prepare(model: Model) -> World:
     """The World of a Model. Loads only the kernels that its effects need."""
     arrays, laws = pack(model.bodies, model.gravity)
     plan = model.contacts
+    before, after, liquid, wet = _flow_stages(model, arrays, laws)
+    flying = arrays if wet is None else wet.flying
     colliding = set(np.flatnonzero(plan.allowed.any(axis=1)).tolist()) if plan else set()
     collisions = None
     stages: list[tuple[str, Callable]] = []
@@ -59,9 +61,8 @@ def prepare(model: Model) -> World:
     if any(arrays["motion"][i] != STILL for i in colliding if i < len(arrays)):
         from flowgmo.collision.stage import Collisions, move_colliding
 
-        collisions = Collisions(model, arrays, laws)
+        collisions = Collisions(model, flying, laws)
         stages.append(("collisions", move_colliding))
-    before, after, liquid = _flow_stages(model)
     watch = None
     if liquid is not None:
         from flowgmo.flow.observe.shear_of_solids import shear_of_solids
@@ -77,6 +78,8 @@ def prepare(model: Model) -> World:
         movers=moving,
         collisions=collisions,
         liquid=liquid,
+        wet_bodies=wet,
+        flying=flying,
         watch=watch,
         stages=(*before, *stages, *after),
         scratch=poses_of(initial_state(model)),
@@ -85,10 +88,10 @@ def prepare(model: Model) -> World:
     )
 
 
-def _flow_stages(model: Model) -> tuple[list, list, object | None]:
-    """Stages before and after the bodies' motion, and what they work with; none in a dry scene."""
+def _flow_stages(model: Model, arrays: np.ndarray, laws: Laws | None) -> tuple[list, list, object, object]:
+    """Stages before and after the bodies' motion, the Liquid and WetBodies that they work with; none in a dry scene."""
     if model.fluid is None:
-        return [], [], None
+        return [], [], None, None
     from flowgmo.flow import stages
     from flowgmo.flow.build import build_liquid
 
@@ -100,11 +103,44 @@ def _flow_stages(model: Model) -> tuple[list, list, object | None]:
     def project(world: World, state: State, t1: float, room: Room) -> None:
         stages.project(liquid, state.fluid, t1 - state.t)
 
+    if liquid.immersed is not None:
+        return _stages_with_bodies(model, arrays, laws, liquid, predict)
+
     def move_liquid(world: World, state: State, t1: float, room: Room) -> None:
         stages.move_liquid(liquid, state.fluid, t1 - state.t, state.step)
 
     after = [("liquid", move_liquid)] if model.fluid.free_surface else []
-    return [("momentum", predict), ("pressure", project)], after, liquid
+    return [("momentum", predict), ("pressure", project)], after, liquid, None
+
+
+def _stages_with_bodies(
+    model: Model, arrays: np.ndarray, laws: Laws | None, liquid: object, predict: Callable
+) -> tuple[list, list, object, object]:
+    """As _flow_stages, where bodies move in the liquid."""
+    from flowgmo.flow import stages
+    from flowgmo.wet_bodies import WetBodies
+
+    wet = WetBodies(model, arrays, laws, liquid)
+
+    def expect(world: World, state: State, t1: float, room: Room) -> None:
+        wet.expect(state.fluid, room.motion, state.t, t1)
+
+    def project(world: World, state: State, t1: float, room: Room) -> None:
+        dt = t1 - state.t
+        wet.kick(state.fluid, room.motion, state.t, t1)
+        couple = wet.coupling_of(room.motion, model.fluid.rho, model.gravity, dt)
+        stages.project(liquid, state.fluid, dt, couple)
+        wet.couple(liquid.projector.q, room.motion, room.rows)
+
+    def arrive(world: World, state: State, t1: float, room: Room) -> None:
+        liquid.immersed.arrive(wet.poses(room.motion))
+
+    def move_liquid(world: World, state: State, t1: float, room: Room) -> None:
+        stages.move_liquid(liquid, state.fluid, t1 - state.t, state.step)
+
+    before = [("open fractions", expect), ("momentum", predict), ("pressure", project)]
+    after = [("open fractions", arrive)] + ([("liquid", move_liquid)] if model.fluid.free_surface else [])
+    return before, after, liquid, wet
 
 
 def start_liquid(world: World, state: State) -> None:
@@ -126,7 +162,12 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
     t0, liquid = state.t, liquid_values(world, state) if asked.size else {}
     for name, stage in world.stages:  # only what the deck asks for
         began = time.perf_counter()
-        stage(world, state, t1, room)
+        try:
+            stage(world, state, t1, room)
+        except (StepFailed, StepTooLong):
+            if world.wet_bodies is not None:
+                world.liquid.immersed.withdraw()
+            raise
         # a stage's first call compiles or loads its kernels: that is no cost of the effect
         booked = name if name in world.seconds else KERNELS
         world.seconds.setdefault(name, 0.0)
@@ -193,7 +234,7 @@ def _move_alone(world: World, state: State, t1: float, room: Room) -> None:
     hits = np.zeros((MAX_HITS, 7))
     hit_body = np.zeros(MAX_HITS, dtype=np.int64)
     count, failed = move_alone(
-        world.movers, world.arrays, world.laws, room.motion, room.books, state.t, t1, room.asked, room.rows,
+        world.movers, world.flying, world.laws, room.motion, room.books, state.t, t1, room.asked, room.rows,
         room.rows_books, hits, hit_body,
     )  # fmt: skip
     if failed >= 0:

@@ -15,7 +15,11 @@ from flowgmo.state import State
 
 @dataclass
 class World:
-    """What kernels need of a Model, made once: bodies (n,) of BODY, laws (None: all ballistic), stages, scratch."""
+    """What kernels need of a Model, made once: bodies (n,) of BODY, laws (None: all ballistic), stages, scratch.
+
+    wet_bodies: those that move in the liquid (wet_bodies.py); flying (n,) BODY: what the motion of bodies uses, the
+    same array as `arrays` but for those.
+    """
 
     model: Model
     arrays: np.ndarray
@@ -23,6 +27,8 @@ class World:
     movers: np.ndarray
     collisions: object | None
     liquid: object | None
+    wet_bodies: object | None
+    flying: np.ndarray
     watch: object | None
     stages: tuple[tuple[str, Callable], ...]
     scratch: np.ndarray

@@ -13,7 +13,7 @@ from .row import Row, show
 from .rules_bodies import RULES as BODIES
 from .rules_bodies import components
 from .rules_fluid import RULES as FLUID
-from .rules_fluid import density, described
+from .rules_fluid import density
 from .rules_mass import RULES as MASS
 from .rules_mesh import RULES as MESH
 from .rules_motion import RULES as MOTION
@@ -27,7 +27,7 @@ IGNORE = "or run without it by &flowgmo ignore_unsupported=.true."
 def check(deck: Deck) -> tuple[list[Problem], list[Notice]]:
     """All that the rules find."""
     findings = [*not_computed(deck), *several_meshes(deck), *periodic_bodies(deck)]
-    findings += [*bodies_in_liquid(deck), *density(deck)]
+    findings += [*density(deck)]
     if deck["IGNORE_UNSUPPORTED"]:
         findings = [Notice(*vars(finding).values()) for finding in findings]
         _switch_off(deck)
@@ -83,20 +83,8 @@ def periodic_bodies(deck: Deck) -> Iterator[Problem]:
         yield deck.problem("IBCT", side, wrong=wrong, write=f"Write ibct({side})=1, or 3 to let bodies leave, {IGNORE}")
 
 
-def bodies_in_liquid(deck: Deck) -> Iterator[Problem]:
-    """Bodies that move in liquid."""
-    moving = [m for m in components(deck) if deck.at("IMO", m) in (3, 4)]
-    if moving and deck.given("RHOF"):
-        others = ", ".join(name.lower() for name, _ in described(deck))
-        write = "Remove rhof" + (f" (and {others})" if others else "") + " to run the bodies dry"
-        wrong = f"bodies that move in liquid, imo({moving[0]})={deck.at('IMO', moving[0])}, are not computed yet"
-        yield deck.problem("RHOF", wrong=wrong, write=f"{write}, {IGNORE}")
-
-
 def _switch_off(deck: Deck) -> None:
     """Let the defaults hold in place of what is not computed."""
     for row in REGISTRY.values():
         for index in _asked(deck, row):
             deck.drop(row.name, *index)
-    if any(bodies_in_liquid(deck)):
-        deck.drop("RHOF")

@@ -8,7 +8,10 @@ from flowgmo.errors import FlowgmoError
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.favor.fractions import Solids, open_fractions
+from flowgmo.flow.favor.moving_openings import MovingOpenings
+from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.fields import Flow, G, Open, grid_of
+from flowgmo.flow.immersed.immersed import Immersed
 from flowgmo.flow.liquid import DUST, Liquid, default_threads
 from flowgmo.flow.observe.measures import total
 from flowgmo.flow.stages import settle_pressure
@@ -23,11 +26,27 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
     plan = model.fluid
     grid = grid_of(block)
     solids = _solids(model)
-    sides = Sides(plan.sides, grid, block.z, plan.rho, model.gravity, _streams(model), solids.open[1:])
-    liquid = Liquid(plan, grid, solids, sides, model.gravity, threads or default_threads())
-    for body, share in zip(model.bodies, solids.shares, strict=False):
+    fixed = [body for body in model.bodies if not body.moves]
+    covers = _covers(model, solids, fixed)
+    openings = solids.open if covers is None else covers.mean
+    sides = Sides(plan.sides, grid, block.z, plan.rho, model.gravity, _streams(model), openings[1:])
+    threads = threads or default_threads()
+    liquid = Liquid(plan, grid, openings, sides, model.gravity, threads, solids.open)
+    for body, share in zip(fixed, solids.shares, strict=False):
         liquid.walls[body.number] = (share.cells, share.faces)
+    if covers is not None:
+        centres = [np.pad(0.5 * (x[1:] + x[:-1]), G, mode="edge") for x in block.planes]
+        liquid.immersed = Immersed(covers, grid, centres, liquid.renew)
     return liquid
+
+
+def _covers(model: Model, solids: Solids, fixed: list) -> MovingOpenings | None:
+    """Open fractions with the bodies that move, at t = 0; None where there are none."""
+    if not model.moving:
+        return None
+    (block,) = model.mesh.blocks
+    start = [Pose(np.eye(3), np.zeros(3)) for _ in model.moving]
+    return MovingOpenings(block, solids, [b.shape for b in fixed], [b.shape for b in model.moving], start)
 
 
 def _streams(model: Model) -> list[int]:
@@ -39,7 +58,7 @@ def _streams(model: Model) -> list[int]:
 
 def _solids(model: Model) -> Solids:
     (block,) = model.mesh.blocks
-    shapes = [body.shape for body in model.bodies]
+    shapes = [body.shape for body in model.bodies if not body.moves]
     if not shapes:
         return Solids(Open(None, None, None, None), (), np.zeros(0), None)
     clean_up = model.fluid.clean_up

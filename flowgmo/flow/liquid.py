@@ -11,8 +11,8 @@ import numpy as np
 
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import all_columns, columns_where, widen
-from flowgmo.flow.favor.fractions import Solids
-from flowgmo.flow.fields import Flow, G, Grid
+from flowgmo.flow.fields import Flow, G, Grid, Open
+from flowgmo.flow.immersed.immersed import Immersed
 from flowgmo.flow.momentum.momentum import Momentum
 from flowgmo.flow.observe.tally import Tally
 from flowgmo.flow.pressure.projection import Projector
@@ -40,18 +40,26 @@ class Liquid:
     """
 
     def __init__(
-        self, plan: FluidPlan, grid: Grid, solids: Solids, sides: Sides, gravity: np.ndarray, threads: int
+        self,
+        plan: FluidPlan,
+        grid: Grid,
+        openings: Open,
+        sides: Sides,
+        gravity: np.ndarray,
+        threads: int,
+        still: Open | None = None,
     ) -> None:
-        self.plan, self.grid, self.solids, self.sides = plan, grid, solids, sides
-        openings = self.openings = solids.open
+        """openings: what all bodies leave open, still: what those leave that never move, None where all are such."""
+        self.plan, self.grid, self.openings, self.sides = plan, grid, openings, sides
         self.gravity = np.asarray(gravity, dtype=float)
         self.team = Team(threads)
         self.shape = tuple(len(d) for d in grid[:3])
         self.present = tuple(n > 1 + 2 * G for n in self.shape)
         self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
-        thin = find_thin_faces(openings) if inertia_rules(plan, grid, self.gravity) else (None, None, None)
+        still = openings if still is None else still
+        thin = find_thin_faces(still) if inertia_rules(plan, grid, self.gravity) else (None, None, None)
         self.projector = Projector(
-            grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor, thin=thin,
+            grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor, thin=thin, still=still.V,
             beta=plan.compressibility,
         )  # fmt: skip
         self.acceleration = self._per_direction()
@@ -66,9 +74,16 @@ class Liquid:
         self.walls = {}  # body number -> (cells (n, 3), face shares (n, 6)) of the wall it makes
         self.near = self.faces = self.about = all_columns(self.shape)
         self._found = None  # the fraction whose columns these are, until the next one is stored
+        self.immersed: Immersed | None = None  # bodies that move in the liquid
         self.limiting = ""
         self.courant = 0.0  # of the step just made
         self.tally = Tally()
+
+    def renew(self) -> None:
+        """The open fractions have changed: sort faces and regions anew."""
+        self._found = None
+        self.momentum.renew()
+        self.projector.renew()
 
     def _per_direction(self) -> list:
         return [np.zeros(self.shape) if there else None for there in self.present]
@@ -92,9 +107,12 @@ class Liquid:
             flow.F, self.F = self.F, flow.F
             flow.passed = flow.passed + self.entered
         flow.dt = dt
+        if self.immersed is not None:
+            self.immersed.settle()
 
-    def longest_step(self, flow: Flow, start: float) -> float:
-        """How long the next step may be [time]; `limiting` names what bounds it. start: DELT, for the first step."""
+    def longest_step(self, flow: Flow, start: float, bodies: float = np.inf) -> float:
+        """How long the next step may be [time]; `limiting` names what bounds it. start: DELT, for the first step;
+        bodies: how long for those that move in the liquid."""
         plan = self.plan
         self.find_columns(flow.F)
         rate = courant_rate(self.team, self.near, self.grid, self.openings, flow.F, DUST, [flow.u, flow.v, flow.w])
@@ -104,6 +122,7 @@ class Liquid:
             # a new value is a mean of old ones around it up to dt (1 / carried + 1 / spread) = 1
             "flow" if carried <= spread else "viscosity": least / (1.0 + least / other) if least < np.inf else np.inf,
             "surface": plan.steps.surface_courant * self.surface_limit,
+            "bodies": bodies,
             "growth": flow.dt * plan.steps.growth if flow.dt > 0.0 else start,
         }
         self.limiting = min(limits, key=limits.get)

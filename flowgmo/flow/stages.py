@@ -18,6 +18,7 @@ from flowgmo.flow.momentum.extrapolation import continue_velocity
 from flowgmo.flow.momentum.prediction import accelerate, fill
 from flowgmo.flow.pressure.conjugate_gradients import Solved
 from flowgmo.flow.pressure.first_stage import push_by_last_pressure
+from flowgmo.flow.pressure.projection import Couple
 from flowgmo.flow.pressure.sealed import PressedTogether
 from flowgmo.flow.surface.surface_tracking import move_liquid as carry_liquid
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate
@@ -59,6 +60,8 @@ def _advance(liquid: Liquid, old: list, F: np.ndarray | None, share: float, dt: 
     for d, (a, u, out) in enumerate(zip(liquid.acceleration, old, new, strict=True)):
         if a is not None:
             liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], u, a, share * dt, out)
+    if liquid.immersed is not None:
+        liquid.immersed.hold(new)
     liquid.sides.let_out(old, new, dt, F)
     if liquid.momentum.implicit:
         liquid.sides.fill_velocity(new)
@@ -79,8 +82,8 @@ def _continue(liquid: Liquid, flow: Flow, velocity: list) -> None:
     liquid.sides.fill_velocity(velocity)
 
 
-def project(liquid: Liquid, flow: Flow, dt: float) -> Solved:
-    """liquid.predicted becomes the new velocity, liquid.p its pressure.
+def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None) -> Solved:
+    """liquid.predicted becomes the new velocity, liquid.p its pressure; couple: as of Projector.project.
 
     On return every liquid cell's faces fit to the tolerance, velocities two cells beside the liquid continue it, and
     ghosts are filled. Raises StepTooLong where a shorter step may do.
@@ -96,6 +99,8 @@ def project(liquid: Liquid, flow: Flow, dt: float) -> Solved:
             TOLERANCE * plan.pressure.tolerance,
             plan.pressure.most_iterations,
             flow.p_before,
+            None if liquid.immersed is None else liquid.immersed.source,
+            couple,
         )
     except PressedTogether as error:
         raise StepFailed(str(error)) from error
@@ -114,7 +119,9 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
     """liquid.F = the fraction after dt with the projection's velocities; number of the step orders the sweeps."""
     np.copyto(liquid.F, flow.F)
     moved = Flow(*liquid.predicted, liquid.p, liquid.F, dt)
-    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, liquid.sides.fill_fraction)
+    change = liquid.immersed.change if liquid.immersed is not None else None
+    fill_ghosts = liquid.sides.fill_fraction
+    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change)
     liquid.entered = found.entered
     liquid.sides.fill_fraction(liquid.F)
 

@@ -37,19 +37,27 @@ class Momentum:
         self.gravity = gravity
         self.schemes = make_schemes(grid, plan.order)
         shape = tuple(len(d) for d in grid[:3])
-        self.cut = find_cut_faces(all_columns(shape), openings)
+        self.every = all_columns(shape)
         self.nu = plan.mu / plan.rho if plan.mu else 0.0
         self.implicit = plan.implicit_viscosity and self.nu > 0.0
         self.operators, self.limit, self.walls = None, np.inf, ()
+        if self.nu > 0.0 and not self.implicit:
+            self.limit = viscous_limit(grid, self.nu, present)
+        self.plan, self.present = plan, present
+        self.renew()
+        self.scratch = tuple(np.zeros(shape) for _ in range(4)) if self.implicit else ()
+
+    def renew(self) -> None:
+        """Sort the faces by the open fractions as they are now."""
+        self.cut = find_cut_faces(self.every, self.openings)
         if self.nu > 0.0:
+            plan, grid, openings, present = self.plan, self.grid, self.openings, self.present
             no_slip = tuple(plan.no_slip and side.kind == WALL for side in plan.sides)
-            speeds = self._speeds(sides.values)
+            speeds = self._speeds(self.sides.values)
             walls = tuple(find_side_walls(grid, openings, no_slip, speeds, c, present) for c in range(3))
-            self.operators = make_viscosity(team, grid, openings, self.cut, present, plan.no_slip, walls)
+            self.operators = make_viscosity(self.team, grid, openings, self.cut, present, plan.no_slip, walls)
             if any(stick and _changes(side) for stick, side in zip(no_slip, plan.sides, strict=True)):
                 self.walls = tuple(w for w in walls if w is not None)
-            self.limit = np.inf if self.implicit else viscous_limit(grid, self.nu, present)
-        self.scratch = tuple(np.zeros(shape) for _ in range(4)) if self.implicit else ()
 
     def _speeds(self, values: Sequence[SideValues]) -> np.ndarray:
         """(6, 3) [length/time]: how the walls slide when these are the values of the sides."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flowgmo.flow.columns import ONE
+from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.layers import join_cells
 from flowgmo.flow.pressure.multigrid import Multigrid
 from flowgmo.flow.team import Team
@@ -151,17 +152,27 @@ class ConjugateGradients:
         return (self.d,)
 
     def solve(
-        self, columns: np.ndarray, matrix: tuple, right: np.ndarray, x: np.ndarray, tolerance: float, most: int
+        self,
+        columns: np.ndarray,
+        matrix: tuple,
+        right: np.ndarray,
+        x: np.ndarray,
+        tolerance: float,
+        most: int,
+        coupling: Coupling | None = None,
     ) -> Solved:
         """Improve x until |right - A x| <= tolerance times the volume of each cell, `most` iterations at most.
 
-        matrix: bx, by, bz, diagonal (float64, as multigrid.rebuild was given). right may be this solver's own r.
+        matrix: bx, by, bz, diagonal (float64, as multigrid.rebuild was given); coupling: what bodies that the pressure
+        moves add to it, unknown to the preconditioner. right may be this solver's own r.
         """
         run, r, d, q, periodic = self.team.run, self.r, self.d, self.q, self.multigrid.periodic
         top = self.multigrid.levels[0]
         worst, sums, both = np.zeros(len(columns)), np.zeros(len(columns)), np.zeros((len(columns), 2))
         join_cells(x, *periodic)
         run(residual, columns, x, right, *matrix, r)
+        if coupling is not None:
+            coupling.add(x, -1.0, r)
         run(hand_over, columns, r, 0.0, top.r, *self.weights, worst)
         before = after = float(worst.max(initial=0.0))
         scale, alpha, old = 1.0, 0.0, 1.0
@@ -181,6 +192,8 @@ class ConjugateGradients:
             join_cells(d, *periodic)
             run(product, columns, d, *matrix, q, sums)
             curvature = float(sums.sum())
+            if coupling is not None:
+                curvature += coupling.add(d, 1.0, q)
             if not curvature > 0.0:
                 break
             alpha, old = float(new) / curvature, float(new)

@@ -13,6 +13,7 @@ flow that does not add up is an error.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +21,7 @@ import numpy as np
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import ONE, all_columns, cells_in, clear_left, columns_where, widen
 from flowgmo.flow.fields import G, Grid, Open
+from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.pressure.conjugate_gradients import ConjugateGradients, Solved
 from flowgmo.flow.pressure.exits import Exits
 from flowgmo.flow.pressure.multigrid import Multigrid
@@ -48,6 +50,7 @@ HALF = 0.1  # F below it: the centre is dry, also in cells that a solid cuts, wh
 MOST_SOLUTIONS = (
     20  # for the voids; 4 at most in boxes of 1200 cells. What is not shut by then overfills, and is pushed out later
 )
+Couple = Callable[[np.ndarray, np.ndarray], Coupling]
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step: all of it at once would swing back
 
 
@@ -161,6 +164,7 @@ class Projector:
         *,
         plain: bool = False,
         thin: tuple[ThinFaces | None, ...] = (None, None, None),
+        still: np.ndarray | None = None,
         beta: float | None = None,
     ) -> None:
         self.grid, self.openings, self.sides, self.team, self.rho, self.beta = grid, openings, sides, team, rho, beta
@@ -180,10 +184,10 @@ class Projector:
         self.wet = np.zeros(shape, np.int8)
         self.steps = steps_of(grid)
         self.thin = thin
-        self.eased = openings.V if any(t is not None for t in thin) else None
+        self.eased = still if any(t is not None for t in thin) else None
         self.every = all_columns(shape)
-        held = tuple(plan.kind == PRESSURE for plan in sides.plans)
-        self.sealed = Sealed(openings, shape, held, sides.periodic)
+        self.held = tuple(plan.kind == PRESSURE for plan in sides.plans)
+        self.sealed = Sealed(openings, shape, self.held, sides.periodic)
         self.exits = Exits(grid, openings, sides, self.sealed.label)
         self.ends = np.zeros((*shape[:2], 2), np.int32)  # scratch of `widen`
         closed = closed_sides(sides.plans, tuple(a is not None for a in b))
@@ -202,6 +206,11 @@ class Projector:
         every = every[every[:, d] == G]
         every[:, d] = G - 1
         return every
+
+    def renew(self) -> None:
+        """The open fractions have changed."""
+        self.sealed = Sealed(self.openings, self.q.shape, self.held, self.sides.periodic)
+        self.exits = Exits(self.grid, self.openings, self.sides, self.sealed.label)
 
     def set_surface(self, F: np.ndarray | None) -> None:
         """Fit the coefficients of faces to where the liquid is. F with ghosts filled."""
@@ -249,11 +258,15 @@ class Projector:
         tolerance: float,
         most: int,
         before: np.ndarray | None = None,
+        source: Callable[[np.ndarray, float, np.ndarray], None] | None = None,
+        couple: Couple | None = None,
     ) -> Solved:
         """Change velocity [u, v, w] and p (of the last step, then the result) so that what is above holds.
 
         before: p of the step before the last one, for the first guess. tolerance: largest share of a cell that its
-        faces may miss within dt. `set_surface` was called with this F.
+        faces may miss within dt. `set_surface` was called with this F. source(wet, dt, right): what bodies that move
+        push out of cells (immersed.py); couple(wet, right): those that the pressure moves, as they are coupled to the
+        liquid cells, and what they push.
         Returns how it went; on failure velocity and p are as they were.
         """
         run, m, voids = self.team.run, self.matrix, self.voids
@@ -270,10 +283,13 @@ class Projector:
         while again:
             self._set_matrix(dt)
             run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, self.right)
+            if source is not None:
+                source(self.wet, dt, self.right)
+            coupled = () if couple is None else (couple(self.wet, self.right),)
             voids.enter(self.right)
             if self.beta is None:
                 self._balance(velocity, F, dt, tolerance)
-            solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most)
+            solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most, *coupled)
             self.solves += 1
             iterations += solved.iterations
             if not solved.converged:

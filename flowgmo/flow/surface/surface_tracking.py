@@ -16,8 +16,8 @@ a little over- or underfull, which the next projection takes back. Nothing is cl
 The order of the sweeps goes through all permutations, each followed by its reverse.
 
 Where solids cut cells, what their little open volume V could not take up goes to the neighbours (spill_over.py).
-A body that moves changes V during the step, to V_after: in full cells A u and the body's swept flux balance, so that
-V F arrives at V_after by itself; V_after is only needed to divide by it and to see the excess.
+A body that moves changes V from V0 to V1 during the step, and A u and that change balance in full cells. Its motion
+counts as one more sweep, the first one (immersed/volume_change.py).
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ import numpy as np
 
 from flowgmo.flow.columns import widen
 from flowgmo.flow.fields import Flow, Grid, Open
+from flowgmo.flow.immersed.volume_change import VolumeChange
 from flowgmo.flow.surface.carriers import Carrier, Way
 from flowgmo.flow.surface.liquid_flux import plic_flux
 from flowgmo.flow.surface.liquid_sweep import FIRST, LAST, sweep, through_sides, wet_columns
@@ -91,21 +92,25 @@ def move_liquid(
     dt: float,
     number: int,
     fill: Callable[[np.ndarray], None],
-    V_after: np.ndarray | None = None,
+    change: VolumeChange | None = None,
 ) -> Moved:
     """Advance flow.F by dt [time] with the velocities u, v, w on faces; absent directions (None) are skipped.
 
     number of the step chooses the order of the sweeps. fill(F) sets the two ghost layers of F, corners too: mirror
     at walls, symmetry and absent directions, copy where periodic, what flows in at open sides; it is called before
-    every sweep. V_after (mesh) [-]: open fractions at the end of the step, None if they stay.
+    every sweep. change: of opened.V, which is then that of the end of the step.
     Holds after: the total of V F changed by what entered, to round-off; closed cells are dry.
     """
     F, own = flow.F, zip((flow.u, flow.v, flow.w), opened[1:], tracking.ways, strict=True)
     carriers = [Carrier(q, A, way) for q, A, way in own if q is not None]
+    if change is not None:
+        change.stretch(F)
     fill(F)
     entered = np.zeros(6)
     wet = widen(wet_columns(F, tracking.bounds), 1, F.shape, tracking.bounds)
     if len(wet) == 0 or not carriers:
+        if change is not None:
+            change.restore(F)
         return Moved(entered, 0.0, 0.0, 0.0)
     around = widen(wet, 1, F.shape, tracking.bounds)
     orders = ORDERS[len(carriers)]
@@ -117,7 +122,9 @@ def move_liquid(
         _sweep(team, tracking, wet, order, at, F, opened.V, dt)
         d = carrier.way.d
         entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
-    return Moved(entered, *_settle(team, tracking, wet, around, F, opened, V_after))
+    if change is not None:
+        change.restore(F)
+    return Moved(entered, *_settle(team, tracking, wet, around, F, opened))
 
 
 def _sweep(
@@ -153,10 +160,9 @@ def _settle(
     around: np.ndarray,
     F: np.ndarray,
     opened: Open,
-    V_after: np.ndarray | None,
 ) -> tuple[float, float, float]:
     """(over, under, lost) once the excess of cut cells has gone to their neighbours; V F has become F."""
-    V = opened.V if V_after is None else V_after
+    V = opened.V
     books = np.empty((len(wet), 3))
     if V is not None:
         team.run(find_excess, around, F, V, opened, tracking.grid, tracking.flux)

@@ -1,0 +1,234 @@
+"""Where one body is on the mesh in one pose: cells near its surface with what it covers of them, and cells inside.
+
+Cells are numbered as arrays with ghosts are, C order, so that cells inside are runs of numbers.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from flowgmo.flow.favor.body_cut import NODES, PIECES, cut_body, number_nodes
+from flowgmo.flow.favor.body_sheets import Moved
+from flowgmo.flow.favor.near_surface import ROUNDING, TOUCHING, Near, near_cells, node_planes
+from flowgmo.flow.fields import G
+from flowgmo.kernel import kernel
+from flowgmo.mesh import Block
+
+
+class BodyCover(NamedTuple):
+    """numbers (n,) int64 of cells near the surface, ascending; shares (n, 7) of their faces, lower x, upper x, .., and
+    volume that the body covers; runs (m, 2) int64 of cells wholly inside, first and one past the last, ascending, that
+    are not among the others. volume [length3] of the body on the mesh."""
+
+    numbers: np.ndarray
+    shares: np.ndarray
+    runs: np.ndarray
+    volume: float
+
+
+class CoverMesh:
+    """The mesh of a block for covers: planes of half cells, and scratch for the numbers of nodes."""
+
+    def __init__(self, block: Block) -> None:
+        self.block = block
+        self.shape = tuple(n + 2 * G for n in block.shape)
+        self.halves = node_planes(block.planes, PIECES)
+        self.least = TOUCHING * min(np.diff(x).min() for x in block.planes)
+        self.widths = tuple(np.diff(x) for x in block.planes)
+        self._index = np.zeros(0, np.int32)
+
+    def index(self, sizes: np.ndarray) -> np.ndarray:
+        """Zeros of these sizes (3,), int32; whoever writes in it makes it zero again."""
+        need = int(np.prod(sizes))
+        if len(self._index) < need:
+            self._index = np.zeros(need, np.int32)
+        return self._index[:need].reshape(sizes)
+
+
+def cover_body(mesh: CoverMesh, body: Moved) -> BodyCover:
+    """What a body in its pose covers of the mesh: exact where planes bound it, never snapped."""
+    near = near_cells(body.distance, mesh.block.planes, body.bounds)
+    cells, runs = _in_order(mesh, near)
+    covered = np.empty((len(cells), 7))
+    if len(cells):
+        rows, at, values = _curved(mesh, body, cells)
+        cut_body(cells, *mesh.halves, body.n, body.h, mesh.least, rows, at, values, covered)
+    numbers, shares, volume = _collect(mesh, cells, covered, runs)
+    return BodyCover(numbers, shares, runs, volume)
+
+
+def keep_volume(mesh: CoverMesh, cover: BodyCover, target: float) -> BodyCover:
+    """The cover with the volume that the body should have [length3].
+
+    Curved surfaces cut by chords have a volume that wavers by 1e-5 to 1e-4 of itself as the body moves through the
+    mesh; a closed tank that is full has no room for that. The cells it cuts take the difference, each in proportion to
+    the smaller of what is covered and what is open.
+    """
+    weights = np.minimum(cover.shares[:, 6], 1.0 - cover.shares[:, 6])
+    sizes = np.empty(len(weights))
+    sizes_of(cover.numbers, np.array(mesh.shape), *mesh.widths, sizes)
+    room = float((weights * sizes).sum())
+    if room <= 0.0:
+        return cover
+    shares = cover.shares.copy()
+    shares[:, 6] += weights * np.clip((target - cover.volume) / room, -1.0, 1.0)
+    return cover._replace(shares=shares, volume=target)
+
+
+@kernel
+def sizes_of(numbers, shape, dx, dy, dz, sizes):
+    """Volumes (n,) [length3] of cells by their numbers."""
+    for c in range(len(numbers)):
+        k = numbers[c] % shape[2] - G
+        j = numbers[c] // shape[2] % shape[1] - G
+        i = numbers[c] // (shape[1] * shape[2]) - G
+        sizes[c] = dx[i] * dy[j] * dz[k]
+
+
+@kernel
+def touches_side(numbers, shares, shape):
+    """Whether a cell covers anything of a face on a side of the domain; a direction of one cell has no sides."""
+    for c in range(len(numbers)):
+        k = numbers[c] % shape[2]
+        j = numbers[c] // shape[2] % shape[1]
+        i = numbers[c] // (shape[1] * shape[2])
+        for d in range(3):
+            at = i if d == 0 else (j if d == 1 else k)
+            if shape[d] > 1 + 2 * G and (
+                (at == G and shares[c, 2 * d] > 0.0) or (at == shape[d] - G - 1 and shares[c, 2 * d + 1] > 0.0)
+            ):
+                return True
+    return False
+
+
+def _in_order(mesh: CoverMesh, near: Near) -> tuple[np.ndarray, np.ndarray]:
+    """Near cells (n, 3) in C order, and runs (m, 2) of the cells inside."""
+    if not len(near.cells) and not len(near.inside):
+        return near.cells, np.zeros((0, 2), np.int64)
+    ends = [near.cells, near.cells + 1, near.inside[:, 0], near.inside[:, 1]]
+    low = np.concatenate(ends).min(axis=0)
+    high = np.concatenate(ends).max(axis=0)
+    index = mesh.index(high - low)
+    found = paint(near.cells, near.inside, low, index)
+    cells = np.empty((len(near.cells), 3), np.int32)
+    runs = np.empty((found, 2), np.int64)
+    read_painted(low, np.array(mesh.shape), index, cells, runs)
+    return cells, runs
+
+
+@kernel
+def paint(cells, boxes, low, index):
+    """1 in cells (n, 3), 2 in boxes of them (m, 2, 3); low (3,): the cell at index[0, 0, 0]. Returns the runs of 2s."""
+    for b in range(len(boxes)):
+        for i in range(boxes[b, 0, 0] - low[0], boxes[b, 1, 0] - low[0]):
+            for j in range(boxes[b, 0, 1] - low[1], boxes[b, 1, 1] - low[1]):
+                for k in range(boxes[b, 0, 2] - low[2], boxes[b, 1, 2] - low[2]):
+                    index[i, j, k] = 2
+    for c in range(len(cells)):
+        index[cells[c, 0] - low[0], cells[c, 1] - low[1], cells[c, 2] - low[2]] = 1
+    runs = np.int64(0)
+    for i in range(index.shape[0]):
+        for j in range(index.shape[1]):
+            before = 0
+            for k in range(index.shape[2]):
+                runs += index[i, j, k] == 2 and before != 2
+                before = index[i, j, k]
+    return runs
+
+
+@kernel
+def read_painted(low, shape, index, cells, runs):
+    """The painted cells (n, 3) in C order, and the runs (m, 2) as numbers with ghosts; index is zero on return."""
+    n = np.int64(0)
+    m = np.int64(0)
+    for i in range(index.shape[0]):
+        for j in range(index.shape[1]):
+            start = ((i + low[0] + G) * shape[1] + j + low[1] + G) * shape[2] + low[2] + G
+            before = 0
+            for k in range(index.shape[2]):
+                here = index[i, j, k]
+                index[i, j, k] = 0
+                if here == 1:
+                    cells[n, 0] = i + low[0]
+                    cells[n, 1] = j + low[1]
+                    cells[n, 2] = k + low[2]
+                    n += 1
+                if here == 2:
+                    if before != 2:
+                        runs[m, 0] = start + k
+                        m += 1
+                    runs[m - 1, 1] = start + k + 1
+                before = here
+
+
+def _curved(mesh: CoverMesh, body: Moved, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """rows, at, values of cut_body."""
+    rows = np.empty((len(body.curved), len(cells)), np.int32)
+    low = PIECES * cells.min(axis=0)
+    index = mesh.index(PIECES * cells.max(axis=0) + PIECES + 1 - low)
+    ats, values = [np.zeros((0, NODES), np.int32)], [np.zeros(0)]
+    nodes = total = 0
+    alone = len(body.curved) == 1 and len(body.n) == 0
+    for q, distance in enumerate(body.curved):
+        chosen = np.arange(len(cells)) if alone else _reached(mesh, distance, cells, rows[q])
+        rows[q, chosen] = np.arange(total, total + len(chosen))
+        at = np.empty((len(chosen), NODES), np.int32)
+        points = np.empty((len(chosen) * NODES, 3), np.int32)
+        count = number_nodes(cells, chosen, low, index, at, points)
+        d = distance(np.column_stack([x[points[:count, k]] for k, x in enumerate(mesh.halves)]))
+        ats.append(at + np.int32(nodes))
+        values.append(d)
+        nodes, total = nodes + count, total + len(chosen)
+    return rows, np.concatenate(ats), np.concatenate(values)
+
+
+def _reached(mesh: CoverMesh, distance: object, cells: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Indices of the cells that a sheet may cut; rows (c,) becomes -1 where it lies far beyond, -2 far before."""
+    low, high = (np.column_stack([x[cells[:, k] + e] for k, x in enumerate(mesh.block.planes)]) for e in (0, 1))
+    d = distance(0.5 * (low + high))
+    radius = 0.5 * ROUNDING * np.linalg.norm(high - low, axis=1)
+    rows[:] = np.where(d > 0.0, -2, -1)
+    return np.flatnonzero(np.abs(d) <= radius)
+
+
+def _collect(
+    mesh: CoverMesh, cells: np.ndarray, covered: np.ndarray, runs: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Numbers and shares of the cells of which anything is covered, and the body's volume."""
+    numbers = np.empty(len(cells), np.int64)
+    shares = np.empty((len(cells), 7))
+    found = np.zeros(2)
+    collect_covered(cells, covered, np.array(mesh.shape), *mesh.widths, runs, numbers, shares, found)
+    n = int(found[0])
+    return numbers[:n], shares[:n], float(found[1])
+
+
+@kernel
+def collect_covered(cells, covered, shape, dx, dy, dz, runs, numbers, shares, found):
+    """Fill numbers and shares; found: how many, and the volume of all with the runs."""
+    n = np.int64(0)
+    volume = 0.0
+    for c in range(len(cells)):
+        most = 0.0
+        for part in range(7):
+            most = max(most, covered[c, part])
+        if most == 0.0:
+            continue
+        i = cells[c, 0]
+        j = cells[c, 1]
+        k = cells[c, 2]
+        numbers[n] = ((i + G) * shape[1] + j + G) * shape[2] + k + G
+        for part in range(7):
+            shares[n, part] = covered[c, part]
+        volume += covered[c, 6] * dx[i] * dy[j] * dz[k]
+        n += 1
+    for m in range(len(runs)):
+        k = runs[m, 0] % shape[2] - G
+        j = runs[m, 0] // shape[2] % shape[1] - G
+        i = runs[m, 0] // (shape[1] * shape[2]) - G
+        for q in range(runs[m, 1] - runs[m, 0]):
+            volume += dx[i] * dy[j] * dz[k + q]
+    found[0] = n
+    found[1] = volume

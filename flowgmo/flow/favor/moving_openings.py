@@ -1,0 +1,244 @@
+"""Open fractions among bodies that move: now, at the end of the step to come, and their mean over it.
+
+    open      V, A at the poses last settled
+    mean      A of the step to come, 1/2 (A now + A then); V, an array of its own, is whoever steps the liquid's
+    S_b       share of a face that body b covers, likewise 1/2 (S_b now + S_b then)
+
+    mean A + sum over b of S_b + the stationary solids' share = 1 on every face
+
+The solver asks `sweep` for the poses that it expects, projects with `mean` and the shares, and calls `settle` when the
+bodies are there; where they came to stand elsewhere, `sweep` again with keep_mean before that. What a body covers
+(body_cover.py) is computed for its new pose only; what several leave open together (covered_cells.py) for the cells
+near their surfaces. No pass is made over the mesh. Bodies are never snapped; the stationary solids are as
+fractions.open_fractions left them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from flowgmo.flow.favor import covered_cells, put_openings
+from flowgmo.flow.favor.body_cover import BodyCover, CoverMesh, cover_body, keep_volume, touches_side
+from flowgmo.flow.favor.body_sheets import Body
+from flowgmo.flow.favor.fractions import Solids
+from flowgmo.flow.favor.near_surface import Pose, Shape
+from flowgmo.flow.favor.overlaps import Posed, open_together
+from flowgmo.flow.favor.shares import Shares
+from flowgmo.flow.fields import Open, zeros
+from flowgmo.mesh import Block
+
+
+class Swept(NamedTuple):
+    """What bodies touch now or then.
+
+    cells (n, 3) int32 [with ghosts] in C order: real cells near a body's surface now or then that have V0, V1 (n,) open
+    shares of their volume now and then, or an open face in the mean. shares: one for each body, of the mean; covered:
+    the mean share of the volume of the same cells that it covers. volume (bodies, 2) [length3]: each body's own volume
+    on the mesh, now and then.
+    """
+
+    cells: np.ndarray
+    V0: np.ndarray
+    V1: np.ndarray
+    shares: tuple[Shares, ...]
+    covered: tuple[np.ndarray, ...]
+    volume: np.ndarray
+
+
+class _Rows(NamedTuple):
+    """What one body covers by itself of cells: their indices at (r,) ascending, shares (r, 7)."""
+
+    at: np.ndarray
+    shares: np.ndarray
+
+
+class _Pending(NamedTuple):
+    """The newest poses: their covers, all cells that change or may, and these open now and then (n, 7)."""
+
+    poses: list[Pose]
+    covers: list[BodyCover]
+    cells: np.ndarray
+    now: np.ndarray
+    then: np.ndarray
+    swept: Swept
+
+
+class MovingOpenings:
+    """Open fractions of a block with stationary solids and bodies that move.
+
+    open, mean: dense arrays with ghosts. Ghosts are mirror images near the bodies, elsewhere the stationary solids'.
+    """
+
+    def __init__(
+        self,
+        block: Block,
+        stationary: Solids,
+        stationary_shapes: Sequence[Shape],
+        shapes: Sequence[Shape],
+        poses: Sequence[Pose],
+    ) -> None:
+        """shapes: the bodies, given in their place at t = 0; poses: where they are now."""
+        self._block, self._still, self._still_shapes = block, stationary.open, list(stationary_shapes)
+        self._shapes, self._bodies = list(shapes), [Body(shape) for shape in shapes]
+        self._mesh = CoverMesh(block)
+        still = [zeros(block) + 1.0 if a is None else a.copy() for a in stationary.open]
+        self.open = Open(*still)
+        self.mean = Open(*(a.copy() for a in still))
+        nowhere = BodyCover(np.zeros(0, np.int64), np.zeros((0, 7)), np.zeros((0, 2), np.int64), 0.0)
+        self._poses: list[Pose | None] = [None] * len(self._shapes)
+        self._covers = [nowhere] * len(self._shapes)
+        self._pending: _Pending | None = None
+        self._left: _Pending | None = None  # where bodies were expected but did not come
+        self._targets: list[float | None] = [None] * len(self._shapes)
+        self.sweep(poses)
+        self.settle()
+        self._targets = [c.volume if _inside(c, self._mesh) else None for c in self._covers]
+
+    def sweep(self, poses: Sequence[Pose], *, keep_mean: bool = False) -> Swept:
+        """What the bodies touch on their way to new poses; sets `mean`, and leaves `open` as it is.
+
+        May be called again with other poses: the mean is then that of now and the newest, or, keep_mean, stays.
+        """
+        pending = self._pending
+        if pending is not None and all(_same(a, b) for a, b in zip(poses, pending.poses, strict=True)):
+            return pending.swept
+        covers = [self._cover(b, pose) for b, pose in enumerate(poses)]
+        if pending is not None and not keep_mean:
+            self._put(self.mean, pending.cells, pending.now)
+        cells, rows0, rows1 = self._touched(covers)
+        if keep_mean:
+            self._left = self._left or pending
+            kept = np.empty((len(cells), 7))
+            covered_cells.read_open(cells, *self.mean, kept)
+        still, now = np.empty((len(cells), 7)), np.empty((len(cells), 7))
+        covered_cells.read_open(cells, *self._still, still)
+        covered_cells.read_open(cells, *self.open, now)
+        total0, most = _sum(rows0, len(cells))
+        total1, most = _sum(rows1, len(cells))
+        then = self._left_open(cells, still, rows1, total1, most, poses)
+        mean = 0.5 * (now + then)
+        self._put(self.mean, cells, kept if keep_mean else mean)
+        wanted = (now[:, 6] > 0.0) | (then[:, 6] > 0.0) | (mean[:, :6] > 0.0).any(axis=1)
+        shares, covered = [], []
+        for a, b in zip(rows0, rows1, strict=True):
+            S0, S1 = np.empty((len(a.at), 7)), np.empty((len(b.at), 7))
+            covered_cells.scale_shares(*a, still, total0, now, S0)
+            covered_cells.scale_shares(*b, still, total1, then, S1)
+            at, out = np.empty(len(a.at) + len(b.at), np.int64), np.empty((len(a.at) + len(b.at), 7))
+            n = covered_cells.mean_shares(a.at, S0, b.at, S1, wanted, at, out)
+            shares.append(Shares(cells[at[:n]], out[:n, :6].copy()))
+            covered.append(out[:n, 6].copy())
+        volume = np.array([[a.volume, b.volume] for a, b in zip(self._covers, covers, strict=True)]).reshape(-1, 2)
+        swept = Swept(cells[wanted], now[wanted, 6], then[wanted, 6], tuple(shares), tuple(covered), volume)
+        self._pending = _Pending(list(poses), covers, cells, now, then, swept)
+        return swept
+
+    def settle(self) -> None:
+        """The newest poses become now: `open` is what they leave, and `mean` the same."""
+        pending = self._pending
+        if pending is None:
+            return
+        if self._left is not None:
+            self._settle(self.mean, self._left.cells, self._left.now)
+        for fields in (self.open, self.mean):
+            self._settle(fields, pending.cells, pending.then)
+        self._poses, self._covers, self._pending, self._left = pending.poses, pending.covers, None, None
+
+    def withdraw(self) -> None:
+        """As if nothing had been swept since the last settle."""
+        for pending in (self._pending, self._left):
+            if pending is not None:
+                self._settle(self.mean, pending.cells, pending.now)
+        self._pending = self._left = None
+
+    def _settle(self, fields: Open, cells: np.ndarray, opened: np.ndarray) -> None:
+        """Volumes and faces of cells, and their images beyond the sides."""
+        put_openings.put_volumes(cells, opened, fields.V)
+        put_openings.mirror_cells(cells, fields.V, -1)
+        self._put(fields, cells, opened)
+
+    def _cover(self, b: int, pose: Pose) -> BodyCover:
+        """What body b covers in a pose, known already where it is there or was swept there."""
+        if _same(pose, self._poses[b]):
+            return self._covers[b]
+        if self._pending is not None and _same(pose, self._pending.poses[b]):
+            return self._pending.covers[b]
+        found = cover_body(self._mesh, self._bodies[b].moved(pose))
+        target = self._targets[b]
+        if target is None or found.volume == target or not _inside(found, self._mesh):
+            return found
+        return keep_volume(self._mesh, found, target)
+
+    def _touched(self, covers: list[BodyCover]) -> tuple[np.ndarray, list[_Rows], list[_Rows]]:
+        """Cells (n, 3) that bodies touch now or then, but for those inside one body both times; its rows in both."""
+        lists = [np.zeros(0, np.int64)]
+        for a, b in zip(self._covers, covers, strict=True):
+            lists += [a.numbers] if a is b else [a.numbers, b.numbers, covered_cells.runs_apart(a.runs, b.runs)]
+        union = np.unique(np.concatenate(lists))
+        cells = np.empty((len(union), 3), np.int32)
+        covered_cells.cells_of(union, self._mesh.shape, cells)
+        now = [_rows(union, a) for a in self._covers]
+        then = [r if a is b else _rows(union, b) for a, b, r in zip(self._covers, covers, now, strict=True)]
+        return cells, now, then
+
+    def _left_open(
+        self, cells: np.ndarray, still: np.ndarray, rows: list[_Rows], total: np.ndarray, most: np.ndarray,
+        poses: Sequence[Pose],
+    ) -> np.ndarray:  # fmt: skip
+        """Open shares (n, 7) that bodies in their poses and stationary solids leave; the faces of `mean` are scratch."""
+        opened, overlapping = np.empty((len(cells), 7)), np.empty(len(cells), np.uint8)
+        covered_cells.leave_open(still, total, most, opened, overlapping)
+        some = np.flatnonzero(overlapping)
+        if len(some):
+            shapes = [Posed(self._shapes[b], poses[b]) for b, r in enumerate(rows) if np.isin(some, r.at).any()]
+            together = np.minimum(open_together(self._block, shapes + self._still_shapes, cells[some]), still[some])
+            opened[some] = np.where(total[some] > 0.0, together, still[some])
+        covered_cells.keep_volume(still, total, opened)
+        faces = self.mean[1:]
+        put_openings.put_faces(cells, opened, *faces)
+        put_openings.put_faces(cells[some], opened[some], *faces)
+        put_openings.close_full(cells, opened, *faces)
+        covered_cells.read_open(cells, self.open.V, *faces, found := np.empty_like(opened))
+        found[:, 6] = opened[:, 6]
+        return found
+
+    def _put(self, fields: Open, cells: np.ndarray, opened: np.ndarray) -> None:
+        """Faces of cells, and their images beyond the sides."""
+        put_openings.put_faces(cells, opened, *fields[1:])
+        for axis, a in enumerate(fields[1:]):
+            put_openings.mirror_cells(cells, a, axis)
+
+
+def _same(a: Pose | None, b: Pose | None) -> bool:
+    """Whether two poses are the same, bit by bit."""
+    if a is None or b is None:
+        return a is b
+    return np.array_equal(a.R, b.R) and np.array_equal(a.t, b.t)
+
+
+def _inside(cover: BodyCover, mesh: CoverMesh) -> bool:
+    """Whether nothing of a body touches a side of the domain."""
+    return bool(len(cover.numbers)) and not touches_side(cover.numbers, cover.shares, np.array(mesh.shape))
+
+
+def _rows(union: np.ndarray, cover: BodyCover) -> _Rows:
+    """What a body covers of the union's cells (n,)."""
+    ends = [x for x in (cover.numbers, cover.runs[:, 0]) if len(x)]
+    tops = [x + 1 for x in (cover.numbers[-1:], cover.runs[-1:, 1] - 1) if len(x)]
+    if not ends:
+        return _Rows(np.zeros(0, np.int64), np.zeros((0, 7)))
+    a, b = np.searchsorted(union, [min(x[0] for x in ends), max(int(x[0]) for x in tops)])
+    at, shares = np.empty(b - a, np.int64), np.empty((b - a, 7))
+    n = covered_cells.rows_of_body(union[a:b], cover.numbers, cover.shares, cover.runs, at, shares)
+    return _Rows(at[:n] + a, shares[:n])
+
+
+def _sum(rows: list[_Rows], count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Sum and largest (count, 7) of what the bodies cover."""
+    total, most = np.zeros((count, 7)), np.zeros((count, 7))
+    for r in rows:
+        covered_cells.add_rows(*r, total, most)
+    return total, most

@@ -1,0 +1,62 @@
+"""What a body that moves pushes through the cells around it, and the load of their pressure on it: the same numbers.
+
+A body with velocity v of B and spin w covers the shares S of the faces of a cell. It brings out of the cell
+
+    J . (v, w) = sum over faces (outward S area (v + w x r) . n)  =  a . v + (r x a) . w         [length3/time]
+
+    a = (S of the upper - S of the lower face) x face area, for each direction       r = centre of the cell - B
+
+so that the liquid has to let in as much. The pressure p of the cell pushes the body by p a, with the moment p r x a
+about B: J transposed. That both are one matrix keeps the pressure equation symmetric, and no energy is made between
+body and liquid (Batty, Bertails and Bridson 2007, "A fast variational framework for accurate solid-fluid coupling").
+Arms end at the centres of cells, not of faces: a sphere that spins then moves (nearly) nothing, since r ends on the
+normal through the wall, and a body wholly inside feels no moment of a constant pressure, since
+sum of r x a = sum over faces of S area h (n x n) = 0.
+
+The pressure of the centre is not that of the wall. In liquid at rest the rest is known (observe/loads.py):
+
+    lift = rho g volume ((S upper + S lower) / 2 - covered share)
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from flowgmo.flow.favor.shares import Shares
+from flowgmo.flow.fields import Grid
+
+
+class BodyFluxes(NamedTuple):
+    """Of one body: cells (m,) flat index into arrays of mesh size; J (m, 6) [length2, length3]; lift (m, 6) [length3,
+    length4]: force and moment of water at rest in a gravity of one along each axis, per density (see above)."""
+
+    cells: np.ndarray
+    J: np.ndarray
+    lift: np.ndarray
+
+
+def body_fluxes(
+    shares: Shares, covered: np.ndarray, grid: Grid, centres: list[np.ndarray], place: np.ndarray
+) -> BodyFluxes:
+    """The fluxes of a body: shares of its cells (m, 3), covered (m,) of their volumes; place (3,) [length]: B.
+
+    centres: of cells, (n + 4,) for each direction.
+    """
+    at = shares.cells
+    shape = tuple(len(c) for c in centres)
+    dx, dy, dz = (d[at[:, e]] for e, d in enumerate(grid[:3]))
+    lower, upper = shares.faces[:, ::2], shares.faces[:, 1::2]
+    a = (upper - lower) * np.column_stack([dy * dz, dz * dx, dx * dy])
+    lift = (0.5 * (lower + upper) - covered[:, None]) * (dx * dy * dz)[:, None]
+    r = np.column_stack([c[at[:, e]] for e, c in enumerate(centres)]) - place
+    cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
+    return BodyFluxes(cells, np.hstack([a, np.cross(r, a)]), np.hstack([lift, r]))
+
+
+def weight_of_displaced(fluxes: BodyFluxes, liquid: np.ndarray, rho: float, gravity: np.ndarray) -> np.ndarray:
+    """(6,) force and moment about B: `lift` of the cells with liquid (m,) bool, see above."""
+    each = rho * gravity * fluxes.lift[liquid, :3]
+    r = fluxes.lift[liquid, 3:]
+    return np.concatenate([each.sum(axis=0), np.cross(r, each).sum(axis=0)])

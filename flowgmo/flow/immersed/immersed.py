@@ -1,0 +1,139 @@
+"""Bodies that move, as the liquid sees them during one step.
+
+    begin        open fractions for the step: A the mean of now and then, V the larger one; what becomes uncovered is
+                 given a past (fresh.py), closed faces have the body's velocity
+    source       what the bodies' motion pushes out of every cell: its open volume changes by V1 - V0
+    (move the bodies)
+    arrive       open volumes V1 at the poses that were reached
+    settle       these poses are now
+
+The liquid is carried with  d(V F)/dt + div(A u F) = 0  and the projection makes  div(A u) = - (V1 - V0) / dt,  so that
+a full cell is full afterwards: V1 F1 = V0 - dt div(A u) = V1, exactly, whatever the mean of A is. The shares S of the
+faces are only needed where a body's velocity is not known before the pressure (coupling.py): there they say how the
+change of volume goes with it, and what is left, V1 - V0 at the expected velocity, is as exact as before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from flowgmo.flow.favor.moving_openings import MovingOpenings
+from flowgmo.flow.favor.near_surface import Pose
+from flowgmo.flow.fields import Flow, Grid
+from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes
+from flowgmo.flow.immersed.fresh import mean_around
+from flowgmo.flow.immersed.volume_change import VolumeChange
+
+
+class Immersed:
+    """covers: open fractions; renew: called when these have changed, to sort faces and regions anew.
+
+    After `begin`: cells (n, 3) that bodies touch, growth (n,) [length3] of their open volumes, change of these as the
+    liquid's motion sees it, fluxes of each body.
+    """
+
+    def __init__(
+        self, covers: MovingOpenings, grid: Grid, centres: list[np.ndarray], renew: Callable[[], None]
+    ) -> None:
+        self.covers, self.grid, self.centres, self.renew = covers, grid, centres, renew
+        self.open = covers.mean
+        self.swept = None
+
+    # ---- before the liquid moves
+
+    def begin(
+        self, flow: Flow, poses: Sequence[Pose], places: np.ndarray, velocities: np.ndarray, *, with_fluxes: bool
+    ) -> None:
+        """Open fractions from now to the expected poses, reached with velocities (b, 6) of B and spins, B at places
+        (b, 3). with_fluxes: the pressure moves some bodies."""
+        swept = self.swept = self.covers.sweep(poses)
+        self.cells, rows = swept.cells, tuple(swept.cells.T)
+        self.change = VolumeChange(rows, swept.V0, swept.V1, self.open.V)
+        self.growth = (swept.V1 - swept.V0) * np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
+        self._uncover_cells(flow)
+        self._find_faces(flow, places, velocities)
+        self.hold(flow.velocity)
+        self.fluxes: list[BodyFluxes] = []
+        if with_fluxes:
+            for shares, covered, place in zip(swept.shares, swept.covered, places, strict=True):
+                self.fluxes.append(body_fluxes(shares, covered, self.grid, self.centres, place))
+        self.renew()
+
+    def _uncover_cells(self, flow: Flow) -> None:
+        """F of cells that were closed: of what is around them."""
+        if flow.F is None:
+            return
+        closed = self.change.V0 == 0.0
+        at = self.cells[closed]
+        inside = np.ones_like(flow.F[tuple(at.T)])
+        mean, weight = mean_around(flow.F, self.covers.open.V, at)
+        flow.F[tuple(at.T)] = np.where(weight > 0.0, mean, inside * 0.0)
+
+    def _find_faces(self, flow: Flow, places: np.ndarray, velocities: np.ndarray) -> None:
+        """Faces that bodies cover: their own velocity on closed ones; on those that open, that of what is around."""
+        self.held: list[tuple | None] = []
+        for d, u in enumerate(flow.velocity):
+            if u is None:
+                self.held.append(None)
+                continue
+            faces, speed = self._covered_faces(d, places, velocities)
+            before, mean = self.covers.open[1 + d], self.open[1 + d]
+            opens = (before[faces] == 0.0) & (mean[faces] > 0.0)
+            at = np.column_stack(faces)[opens]
+            around, weight = mean_around(u, (before > 0.0) if len(at) else before, at)
+            u[tuple(at.T)] = np.where(weight > 0.0, around, speed[opens])
+            shut = mean[faces] == 0.0
+            self.held.append((tuple(f[shut] for f in faces), speed[shut]))
+
+    def _covered_faces(self, d: int, places: np.ndarray, velocities: np.ndarray) -> tuple[tuple, np.ndarray]:
+        """Index of the faces along d that bodies cover (wholly or in part), and the bodies' velocity there."""
+        found, speeds = [], []
+        e, f = (d + 1) % 3, (d + 2) % 3
+        for shares, place, U in zip(self.swept.shares, places, velocities, strict=True):
+            for upper in (0, 1):
+                mine = shares.faces[:, 2 * d + upper] > 0.0
+                at = shares.cells[mine].astype(np.intp)
+                at[:, d] -= 1 - upper
+                r = np.column_stack([c[at[:, k]] for k, c in enumerate(self.centres)]) - place
+                found.append(at)
+                speeds.append(U[d] + U[3 + e] * r[:, f] - U[3 + f] * r[:, e])
+        at, speed = np.concatenate(found), np.concatenate(speeds)
+        return tuple(at.T), speed
+
+    def hold(self, velocity: Sequence[np.ndarray | None]) -> None:
+        """Closed faces have the velocity of the body that covers them."""
+        for u, held in zip(velocity, self.held, strict=True):
+            if u is not None:
+                u[held[0]] = held[1]
+
+    # ---- the pressure equation
+
+    def source(self, wet: np.ndarray, dt: float, right: np.ndarray) -> None:
+        """right [length3/time] -= the growth of the open volume of liquid cells within dt."""
+        rows = tuple(self.cells.T)
+        right[rows] -= np.where(wet[rows] != 0, self.growth / dt, 0.0)
+
+    # ---- the liquid
+
+    def arrive(self, poses: Sequence[Pose]) -> None:
+        """The bodies came to stand at poses: the change of all cells that any of them touched on the way."""
+        swept = self.covers.sweep(poses, keep_mean=True)
+        shape = self.open.V.shape
+        then = np.ravel_multi_index(tuple(swept.cells.T.astype(np.int64)), shape)
+        both = np.union1d(np.ravel_multi_index(tuple(self.cells.T.astype(np.int64)), shape), then)
+        rows = np.unravel_index(both, shape)
+        V0 = self.covers.open.V[rows]
+        V1 = V0.copy()  # cells that a body was expected in only
+        V1[np.searchsorted(both, then)] = swept.V1
+        self.change = VolumeChange(rows, V0, V1, self.open.V)
+
+    def withdraw(self) -> None:
+        """The step failed: open fractions as before it."""
+        self.covers.withdraw()
+
+    def settle(self) -> None:
+        """The newest poses are now."""
+        self.covers.settle()
+        self.renew()
