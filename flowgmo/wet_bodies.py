@@ -118,11 +118,11 @@ class WetBodies:
         expected = np.array([self.velocities[self.place[b]] for b in self.wet])
         start = np.array([np.concatenate([motion["v"][b], motion["w"][b]]) for b in self.wet])
 
-        def couple(wet: np.ndarray, right: np.ndarray) -> Coupling:
-            flat, into = wet.reshape(-1), right.reshape(-1)
+        def couple(diagonal: np.ndarray, right: np.ndarray) -> Coupling:
+            flat, into = diagonal.reshape(-1), right.reshape(-1)
             parts, lifts = [], []
             for one in fluxes:
-                liquid = flat[one.cells] != 0
+                liquid = flat[one.cells] != 0.0
                 parts.append(BodyFluxes(*(a[liquid] for a in one)))
                 lifts.append(weight_of_displaced(parts[-1], slice(None), rho, gravity))
             self.lifts = np.array(lifts)

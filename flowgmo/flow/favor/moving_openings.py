@@ -188,7 +188,7 @@ class MovingOpenings:
         self, cells: np.ndarray, still: np.ndarray, rows: list[_Rows], total: np.ndarray, most: np.ndarray,
         poses: Sequence[Pose],
     ) -> np.ndarray:  # fmt: skip
-        """Open shares (n, 7) that bodies in their poses and stationary solids leave; the faces of `mean` are scratch."""
+        """Open shares (n, 7) that bodies in poses and stationary solids leave; the faces of `mean` are scratch."""
         opened, overlapping = np.empty((len(cells), 7)), np.empty(len(cells), np.uint8)
         covered_cells.leave_open(still, total, most, opened, overlapping)
         some = np.flatnonzero(overlapping)

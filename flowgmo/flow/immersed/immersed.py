@@ -110,10 +110,10 @@ class Immersed:
 
     # ---- the pressure equation
 
-    def source(self, wet: np.ndarray, dt: float, right: np.ndarray) -> None:
-        """right [length3/time] -= the growth of the open volume of liquid cells within dt."""
+    def source(self, diagonal: np.ndarray, dt: float, right: np.ndarray) -> None:
+        """right [length3/time] -= the growth of the open volume of the equation's cells within dt."""
         rows = tuple(self.cells.T)
-        right[rows] -= np.where(wet[rows] != 0, self.growth / dt, 0.0)
+        right[rows] -= np.where(diagonal[rows] != 0.0, self.growth / dt, 0.0)
 
     # ---- the liquid
 

@@ -11,6 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.fields import G, Grid, Open
+
+ANYWAY = 1e-6  # of its open volume that a full cell takes: only where none has room does it count (spill_over.py)
+
 
 class VolumeChange:
     """rows: index of the cells in arrays of mesh size; V0, V1 (n,); V (mesh): the open volumes, the larger one of both
@@ -28,7 +32,42 @@ class VolumeChange:
         filled = self.V0 * here + self.added
         F[self.rows] = np.divide(filled, self.most, out=np.zeros_like(filled), where=self.most > 0.0)
 
-    def restore(self, liquid: np.ndarray) -> None:
-        """After the sweeps: take back from V F what `stretch` added; V is then what it is at the end of the step."""
+    def restore(self, liquid: np.ndarray, opened: Open, grid: Grid) -> None:
+        """After the sweeps: take back from V F what `stretch` added; V is then what it is at the end of the step.
+
+        What is left in cells that close, and have no open face to a cell that stays open (spill_over.py), goes to the
+        nearest cells that are open, to each as it has room.
+        """
         liquid[self.rows] -= self.added
         self.V[self.rows] = self.V1
+        closing = (self.V1 == 0.0) & (liquid[self.rows] != 0.0)
+        for cell in np.column_stack(self.rows)[closing]:
+            if not self._has_way_out(cell, opened):
+                self._move_on(cell, liquid, grid)
+
+    def _has_way_out(self, cell: np.ndarray, opened: Open) -> bool:
+        """Whether an open face leads to an open cell."""
+        for d, A in enumerate(opened[1:]):
+            step = np.eye(3, dtype=np.int64)[d]
+            for face, other in ((cell, cell + step), (cell - step, cell - step)):
+                inside = G <= other[d] < A.shape[d] - G
+                if inside and A[tuple(face)] > 0.0 and self.V[tuple(other)] > 0.0:
+                    return True
+        return False
+
+    def _move_on(self, cell: np.ndarray, liquid: np.ndarray, grid: Grid) -> None:
+        """The liquid of a cell to the nearest open ones."""
+        sizes = [d[k] for d, k in zip(grid[:3], cell, strict=True)]
+        amount = float(liquid[tuple(cell)] * np.prod(sizes))
+        for reach in range(1, max(liquid.shape)):
+            low = np.maximum(cell - reach, G)
+            high = np.minimum(cell + reach + 1, np.array(liquid.shape) - G)
+            box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
+            V = self.V[box]
+            if (V > 0.0).any():
+                room = np.maximum(V - liquid[box], 0.0) + ANYWAY * V
+                volumes = np.multiply.outer(np.multiply.outer(grid.dx[box[0]], grid.dy[box[1]]), grid.dz[box[2]])
+                room[V == 0.0] = 0.0
+                liquid[box] += amount * room / float((room * volumes).sum())
+                liquid[tuple(cell)] = 0.0
+                return

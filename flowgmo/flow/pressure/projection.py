@@ -264,9 +264,9 @@ class Projector:
         """Change velocity [u, v, w] and p (of the last step, then the result) so that what is above holds.
 
         before: p of the step before the last one, for the first guess. tolerance: largest share of a cell that its
-        faces may miss within dt. `set_surface` was called with this F. source(wet, dt, right): what bodies that move
-        push out of cells (immersed.py); couple(wet, right): those that the pressure moves, as they are coupled to the
-        liquid cells, and what they push.
+        faces may miss within dt. `set_surface` was called with this F. source(diagonal, dt, right): what bodies that
+        move push out of cells (immersed.py); couple(diagonal, right): those that the pressure moves, as they are
+        coupled to the cells of the equation (diagonal > 0), and what they push.
         Returns how it went; on failure velocity and p are as they were.
         """
         run, m, voids = self.team.run, self.matrix, self.voids
@@ -284,8 +284,8 @@ class Projector:
             self._set_matrix(dt)
             run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, self.right)
             if source is not None:
-                source(self.wet, dt, self.right)
-            coupled = () if couple is None else (couple(self.wet, self.right),)
+                source(m.diagonal, dt, self.right)
+            coupled = () if couple is None else (couple(m.diagonal, self.right),)
             voids.enter(self.right)
             if self.beta is None:
                 self._balance(velocity, F, dt, tolerance)

@@ -31,7 +31,9 @@ def _excess(V, liquid):
 
 @inner
 def _appetite(V, liquid, much):
-    """Weight per area of a receiver: room for too much, liquid against too little."""
+    """Weight per area of a receiver: room for too much, liquid against too little; a cell that closes takes nothing."""
+    if V <= 0.0:
+        return 0.0
     if much:
         return max(V - liquid, 0.0) + ANYWAY * V
     return max(liquid, 0.0)

@@ -110,7 +110,7 @@ def move_liquid(
     wet = widen(wet_columns(F, tracking.bounds), 1, F.shape, tracking.bounds)
     if len(wet) == 0 or not carriers:
         if change is not None:
-            change.restore(F)
+            change.restore(F, opened, tracking.grid)
         return Moved(entered, 0.0, 0.0, 0.0)
     around = widen(wet, 1, F.shape, tracking.bounds)
     orders = ORDERS[len(carriers)]
@@ -123,7 +123,7 @@ def move_liquid(
         d = carrier.way.d
         entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
     if change is not None:
-        change.restore(F)
+        change.restore(F, opened, tracking.grid)
     return Moved(entered, *_settle(team, tracking, wet, around, F, opened))
 
 
