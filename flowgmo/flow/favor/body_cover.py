@@ -9,12 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowgmo.flow.favor.body_cut import NODES, PIECES, cut_body, number_nodes
+from flowgmo.flow.favor.body_cut import NODES
 from flowgmo.flow.favor.body_sheets import Moved
-from flowgmo.flow.favor.near_surface import ROUNDING, TOUCHING, Near, near_cells, node_planes
+from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, count_painted, cut_body, paint_body
+from flowgmo.flow.favor.near_surface import ROUNDING, TOUCHING, near_cells, node_planes, reach
 from flowgmo.flow.fields import G
 from flowgmo.kernel import kernel
 from flowgmo.mesh import Block
+
+PIECES = 2  # halves of a cell in each direction, for curved sheets
 
 
 class BodyCover(NamedTuple):
@@ -49,12 +52,11 @@ class CoverMesh:
 
 def cover_body(mesh: CoverMesh, body: Moved) -> BodyCover:
     """What a body in its pose covers of the mesh: exact where planes bound it, never snapped."""
-    near = near_cells(body.distance, mesh.block.planes, body.bounds)
-    cells, runs = _in_order(mesh, near)
+    cells, runs = _near(mesh, body) if body.curved else _near_closed(mesh, body)
     covered = np.empty((len(cells), 7))
     if len(cells):
-        rows, at, values = _curved(mesh, body, cells)
-        cut_body(cells, *mesh.halves, body.n, body.h, mesh.least, rows, at, values, covered)
+        known = _curved(mesh, body, cells)
+        cut_body(cells, *mesh.halves, body.planes, body.rounds, mesh.least, *known, covered)
     numbers, shares, volume = _collect(mesh, cells, covered, runs)
     return BodyCover(numbers, shares, runs, volume)
 
@@ -103,24 +105,37 @@ def touches_side(numbers, shares, shape):
     return False
 
 
-def _in_order(mesh: CoverMesh, near: Near) -> tuple[np.ndarray, np.ndarray]:
+def _near_closed(mesh: CoverMesh, body: Moved) -> tuple[np.ndarray, np.ndarray]:
+    """As _near, of a body whose sheets are all known by their numbers."""
+    low, past = reach(mesh.block.planes, body.bounds)
+    if (low >= past).any():
+        return np.zeros((0, 3), np.int32), np.zeros((0, 2), np.int64)
+    index, counts = mesh.index(past - low), np.empty(2, np.int64)
+    paint_body(body.planes, body.rounds, *mesh.block.planes, low, past, index, counts)
+    return _read(mesh, low, index, counts)
+
+
+def _near(mesh: CoverMesh, body: Moved) -> tuple[np.ndarray, np.ndarray]:
     """Near cells (n, 3) in C order, and runs (m, 2) of the cells inside."""
+    near = near_cells(body.distance, mesh.block.planes, body.bounds)
     if not len(near.cells) and not len(near.inside):
         return near.cells, np.zeros((0, 2), np.int64)
-    ends = [near.cells, near.cells + 1, near.inside[:, 0], near.inside[:, 1]]
-    low = np.concatenate(ends).min(axis=0)
-    high = np.concatenate(ends).max(axis=0)
-    index = mesh.index(high - low)
-    found = paint(near.cells, near.inside, low, index)
-    cells = np.empty((len(near.cells), 3), np.int32)
-    runs = np.empty((found, 2), np.int64)
-    read_painted(low, np.array(mesh.shape), index, cells, runs)
+    low = np.concatenate([near.cells, near.inside[:, 0]]).min(axis=0)
+    past = np.concatenate([near.cells + 1, near.inside[:, 1]]).max(axis=0)
+    index, counts = mesh.index(past - low), np.empty(2, np.int64)
+    paint(near.cells, near.inside, low, index, counts)
+    return _read(mesh, low, index, counts)
+
+
+def _read(mesh: CoverMesh, low: np.ndarray, index: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    cells, runs = np.empty((counts[0], 3), np.int32), np.empty((counts[1], 2), np.int64)
+    read_painted(low, mesh.shape, index, cells, runs)
     return cells, runs
 
 
 @kernel
-def paint(cells, boxes, low, index):
-    """1 in cells (n, 3), 2 in boxes of them (m, 2, 3); low (3,): the cell at index[0, 0, 0]. Returns the runs of 2s."""
+def paint(cells, boxes, low, index, counts):
+    """Paint index: 1 in cells (n, 3), 2 in boxes of them (m, 2, 3); low (3,): the cell at index[0, 0, 0]."""
     for b in range(len(boxes)):
         for i in range(boxes[b, 0, 0] - low[0], boxes[b, 1, 0] - low[0]):
             for j in range(boxes[b, 0, 1] - low[1], boxes[b, 1, 1] - low[1]):
@@ -128,14 +143,7 @@ def paint(cells, boxes, low, index):
                     index[i, j, k] = 2
     for c in range(len(cells)):
         index[cells[c, 0] - low[0], cells[c, 1] - low[1], cells[c, 2] - low[2]] = 1
-    runs = np.int64(0)
-    for i in range(index.shape[0]):
-        for j in range(index.shape[1]):
-            before = 0
-            for k in range(index.shape[2]):
-                runs += index[i, j, k] == 2 and before != 2
-                before = index[i, j, k]
-    return runs
+    count_painted(index, counts)
 
 
 @kernel
@@ -163,14 +171,44 @@ def read_painted(low, shape, index, cells, runs):
                 before = here
 
 
+@kernel
+def number_nodes(cells, chosen, low, index, at, points):
+    """Number the nodes of cells[chosen] (c, 3), each once; returns how many.
+
+    low (3,): the node at index[0, 0, 0]; index: zeros, and zeros again on return; at (c, NODES) int32 becomes the
+    number of each node of each chosen cell, points (m, 3) int32 where it lies among the planes of half cells.
+    """
+    count = np.int64(0)
+    for n in range(len(chosen)):
+        a = 2 * cells[chosen[n], 0] - low[0]
+        b = 2 * cells[chosen[n], 1] - low[1]
+        c = 2 * cells[chosen[n], 2] - low[2]
+        for v in range(NODES):
+            i = a + v // 9
+            j = b + v // 3 % 3
+            k = c + v % 3
+            if index[i, j, k] == 0:
+                points[count, 0] = i + low[0]
+                points[count, 1] = j + low[1]
+                points[count, 2] = k + low[2]
+                count += 1
+                index[i, j, k] = count
+            at[n, v] = index[i, j, k] - 1
+    for m in range(count):
+        index[points[m, 0] - low[0], points[m, 1] - low[1], points[m, 2] - low[2]] = 0
+    return count
+
+
 def _curved(mesh: CoverMesh, body: Moved, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """rows, at, values of cut_body."""
+    """rows, at, known of cut_body."""
     rows = np.empty((len(body.curved), len(cells)), np.int32)
+    if not body.curved:
+        return rows, np.zeros((0, NODES), np.int32), np.zeros(0)
     low = PIECES * cells.min(axis=0)
     index = mesh.index(PIECES * cells.max(axis=0) + PIECES + 1 - low)
     ats, values = [np.zeros((0, NODES), np.int32)], [np.zeros(0)]
     nodes = total = 0
-    alone = len(body.curved) == 1 and len(body.n) == 0
+    alone = len(body.curved) == 1 and not len(body.planes) and not len(body.rounds)
     for q, distance in enumerate(body.curved):
         chosen = np.arange(len(cells)) if alone else _reached(mesh, distance, cells, rows[q])
         rows[q, chosen] = np.arange(total, total + len(chosen))
@@ -185,11 +223,11 @@ def _curved(mesh: CoverMesh, body: Moved, cells: np.ndarray) -> tuple[np.ndarray
 
 
 def _reached(mesh: CoverMesh, distance: object, cells: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Indices of the cells that a sheet may cut; rows (c,) becomes -1 where it lies far beyond, -2 far before."""
+    """Indices of the cells that a sheet may cut; rows (c,) becomes FAR_WITHIN or FAR_BEYOND elsewhere."""
     low, high = (np.column_stack([x[cells[:, k] + e] for k, x in enumerate(mesh.block.planes)]) for e in (0, 1))
     d = distance(0.5 * (low + high))
     radius = 0.5 * ROUNDING * np.linalg.norm(high - low, axis=1)
-    rows[:] = np.where(d > 0.0, -2, -1)
+    rows[:] = np.where(d > 0.0, FAR_BEYOND, FAR_WITHIN)
     return np.flatnonzero(np.abs(d) <= radius)
 
 
@@ -200,7 +238,7 @@ def _collect(
     numbers = np.empty(len(cells), np.int64)
     shares = np.empty((len(cells), 7))
     found = np.zeros(2)
-    collect_covered(cells, covered, np.array(mesh.shape), *mesh.widths, runs, numbers, shares, found)
+    collect_covered(cells, covered, mesh.shape, *mesh.widths, runs, numbers, shares, found)
     n = int(found[0])
     return numbers[:n], shares[:n], float(found[1])
 

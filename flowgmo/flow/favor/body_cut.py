@@ -12,51 +12,43 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.flow.favor.cell_parts import extrapolated, node
-from flowgmo.flow.favor.cut_cell import MOST_FIELDS, share_where_positive, work_space
-from flowgmo.flow.favor.one_cut import area_of_one, volume_of_one
-from flowgmo.kernel import inner, kernel
+from flowgmo.flow.favor.cell_parts import extrapolated
+from flowgmo.flow.favor.clip_square import area_of, clip, start_square
+from flowgmo.flow.favor.cut_cell import MOST_FIELDS, share_where_positive
+from flowgmo.flow.favor.cut_halves import node_across, open_face, open_parts
+from flowgmo.flow.favor.one_cut import volume_of_one
+from flowgmo.kernel import inner
 
-PIECES = 2  # halves of a cell in each direction, for curved sheets
 NODES = 27  # of a cell in halves
+MOST_SHEETS = 64  # of one body: planes (sheets.MANY) and curved ones
 
 
 @inner
-def _part_node(part, i, j, k):
-    """Node (i, j, k) of the cell (part 6), or (i, j) of one of its faces, whatever k."""
-    level = PIECES * (part % 2)
-    if part == 6:
-        return node(i, j, k, PIECES)
-    if part // 2 == 0:
-        return node(level, i, j, PIECES)
-    if part // 2 == 1:
-        return node(i, level, j, PIECES)
-    return node(i, j, level, PIECES)
+def part_node(face, a, b):
+    """Node (a, b) of a face 0 .. 5."""
+    return node_across(face // 2, 2 * (face % 2), a, b)
 
 
 @inner
-def _load(work, values, count, part, i, j, k, step):
+def _load(work, values, count, i, j, k, step):
     """Put the sheets that cut the box of `step` nodes at (i, j, k) into the work space, with the covered side positive.
 
     Returns their number, -1 where nothing is covered.
     """
     cuts = np.int64(0)
     for corner in range(8):
-        work.nodes[corner] = _part_node(
-            part, i + step * (corner // 4), j + step * (corner // 2 % 2), k + step * (corner % 2)
+        work.nodes[corner] = (
+            9 * (i + step * (corner // 4)) + 3 * (j + step * (corner // 2 % 2)) + k + step * (corner % 2)
         )
     for s in range(count):
-        positive = np.int64(0)
-        negative = np.int64(0)
+        positive = False
+        negative = False
         for corner in range(8):
-            d = values[s, work.nodes[corner]]
-            if d > 0.0:
-                positive += 1
-            elif d < 0.0:
-                negative += 1
-        if positive == 0:
+            positive |= values[s, work.nodes[corner]] > 0.0
+            negative |= values[s, work.nodes[corner]] < 0.0
+        if not positive:
             continue
-        if negative == 0:
+        if not negative:
             return np.int64(-1)
         row = min(cuts, MOST_FIELDS - 1)
         for corner in range(8):
@@ -67,118 +59,149 @@ def _load(work, values, count, part, i, j, k, step):
 
 
 @inner
-def _covered_by(work, values, count, part, step):
-    """Covered share of a part, cut in boxes of `step` nodes."""
+def _volume_by(work, values, count, step):
+    """Covered share of the volume, cut by several sheets in boxes of `step` nodes."""
     total = 0.0
-    for i in range(0, PIECES, step):
-        for j in range(0, PIECES, step):
-            for k in range(0, PIECES if part == 6 else step, step):
-                cuts = _load(work, values, count, part, i, j, k, step)
+    for i in range(0, 2, step):
+        for j in range(0, 2, step):
+            for k in range(0, 2, step):
+                cuts = _load(work, values, count, i, j, k, step)
                 if cuts == 0:
                     total += 1.0
                 elif cuts == 1:
                     for corner in range(8):  # what is open, so that zeros count as covered
                         work.fields[0, corner] = -work.fields[0, corner]
-                    total += 1.0 - (volume_of_one(work.fields[0]) if part == 6 else area_of_one(work.fields[0]))
-                elif cuts > 1:
-                    total += share_where_positive(work, cuts, part != 6)
-    n = PIECES // step
-    return total / (n * n * n if part == 6 else n * n)
+                    total += 1.0 - volume_of_one(work.fields[0])
+                elif cuts > 0:
+                    total += share_where_positive(work, cuts, False)
+    return total if step == 2 else 0.125 * total
 
 
 @inner
-def _bent(values, planes, count, part):
-    """Whether a curved sheet changes sign at the nodes of a part."""
-    for s in range(planes, count):
-        positive = False
-        negative = False
-        for i in range(PIECES + 1):
-            for j in range(PIECES + 1):
-                for k in range(PIECES + 1 if part == 6 else 1):
-                    d = values[s, _part_node(part, i, j, k)]
-                    positive |= d > 0.0
-                    negative |= d < 0.0
-        if positive and negative:
-            return True
-    return False
+def _square_by(ring, values, count, face, a, b, step):
+    """Covered share of a square of a face, from node (a, b) on, cut by several sheets."""
+    size = start_square(ring)
+    here = 0
+    for s in range(count):
+        f00 = -values[s, part_node(face, a, b)]
+        f10 = -values[s, part_node(face, a + step, b)]
+        f11 = -values[s, part_node(face, a + step, b + step)]
+        f01 = -values[s, part_node(face, a, b + step)]
+        if f00 >= 0.0 and f10 >= 0.0 and f11 >= 0.0 and f01 >= 0.0:
+            continue
+        if f00 <= 0.0 and f10 <= 0.0 and f11 <= 0.0 and f01 <= 0.0:
+            return 0.0
+        size = clip(ring, here, size, f00, f10, f11, f01)
+        here = 1 - here
+    return area_of(ring, here, size)
 
 
 @inner
-def _load_planes(values, n, h, x, y, z, cell, least):
-    """Values (NODES,) of the planes that are positive somewhere in a cell; returns their number."""
-    count = np.int64(0)
-    for m in range(len(h)):
-        positive = False
-        for i in range(PIECES + 1):
-            a = x[PIECES * cell[0] + i]
-            for j in range(PIECES + 1):
-                b = y[PIECES * cell[1] + j]
-                for k in range(PIECES + 1):
-                    d = n[m, 0] * a + n[m, 1] * b + n[m, 2] * z[PIECES * cell[2] + k] - h[m]
-                    d = 0.0 if abs(d) <= least else d
-                    values[count, node(i, j, k, PIECES)] = d
-                    positive |= d > 0.0
+def _face_by(ring, values, count, face, step):
+    """Covered share of a face, cut by several sheets in squares of `step` nodes."""
+    total = 0.0
+    for a in range(0, 2, step):
+        for b in range(0, 2, step):
+            total += _square_by(ring, values, count, face, a, b, step)
+    return total if step == 2 else 0.25 * total
+
+
+@inner
+def _signs_volume(d, step):
+    """Whether values (NODES,) are positive, and negative, at any node."""
+    positive = False
+    negative = False
+    for i in range(0, 3, step):
+        for j in range(0, 3, step):
+            for k in range(0, 3, step):
+                positive |= d[9 * i + 3 * j + k] > 0.0
+                negative |= d[9 * i + 3 * j + k] < 0.0
+    return positive, negative
+
+
+@inner
+def _signs_face(d, face, step):
+    """Whether values (NODES,) are positive, and negative, at any node of a face."""
+    positive = False
+    negative = False
+    for a in range(0, 3, step):
+        for b in range(0, 3, step):
+            positive |= d[part_node(face, a, b)] > 0.0
+            negative |= d[part_node(face, a, b)] < 0.0
+    return positive, negative
+
+
+@inner
+def _cutting(values, planes, count, part):
+    """How many sheets cut a part, -1 where nothing is covered; the last of them; whether one of them is curved.
+
+    Planes are asked at the corners.
+    """
+    cuts = np.int64(0)
+    last = np.int64(0)
+    bent = False
+    for s in range(count):
+        step = 2 if s < planes else 1
+        if part == 6:
+            positive, negative = _signs_volume(values[s], step)
+        else:
+            positive, negative = _signs_face(values[s], part, step)
+        if positive and not negative:
+            return np.int64(-1), last, False
         if positive:
-            count += 1
-    return count
+            cuts += 1
+            last = np.int64(s)
+            bent |= s >= planes
+    return cuts, last, bent
 
 
-@kernel
-def number_nodes(cells, chosen, low, index, at, points):
-    """Number the nodes of cells[chosen] (c, 3), each once; returns how many.
+@inner
+def _joined(fine, coarse):
+    """Covered share from both cuts; 0 and 1 stay."""
+    return fine if fine == 0.0 or fine == 1.0 else 1.0 - extrapolated(1.0 - fine, 1.0 - coarse)
 
-    low (3,): the node at index[0, 0, 0]; index: zeros, and zeros again on return; at (n, NODES) int32 becomes the number
-    of each node of each chosen cell, points (m, 3) int32 where it lies among the planes of half cells.
+
+@inner
+def _cover_part(work, ring, values, planes, count, part):
+    """Covered share of a part of a cell that several sheets reach."""
+    cuts, last, bent = _cutting(values, planes, count, part)
+    if cuts < 0:
+        return 0.0
+    if cuts == 0:
+        return 1.0
+    coarse = 0.0
+    share = 0.0
+    for twice in range(2):  # one call in a loop is compiled once
+        step = 2 - twice
+        if part == 6:
+            share = _volume_by(work, values, count, step)
+        elif cuts == 1:  # as the cell beyond sees it, which no other sheet may reach
+            share = 1.0 - open_face(values[last], part, step)
+        else:
+            share = _face_by(ring, values, count, part, step)
+        if not bent:
+            break
+        if twice == 0:
+            coarse = share
+    return _joined(share, coarse) if bent else share
+
+
+@inner
+def cover_cell(work, ring, values, planes, count, sums, fine, coarse, out):
+    """out (7,): covered shares of the faces and the volume of a cell, from values (count, NODES) of its sheets.
+
+    The first `planes` of them are planes. ring (2, MOST, 3), sums (8, 8), fine (7,), coarse (7,): scratch.
     """
-    count = np.int64(0)
-    for n in range(len(chosen)):
-        a = PIECES * cells[chosen[n], 0] - low[0]
-        b = PIECES * cells[chosen[n], 1] - low[1]
-        c = PIECES * cells[chosen[n], 2] - low[2]
-        for v in range(NODES):
-            i = a + v // 9
-            j = b + v // 3 % 3
-            k = c + v % 3
-            if index[i, j, k] == 0:
-                points[count, 0] = i + low[0]
-                points[count, 1] = j + low[1]
-                points[count, 2] = k + low[2]
-                count += 1
-                index[i, j, k] = count
-            at[n, v] = index[i, j, k] - 1
-    for m in range(count):
-        index[points[m, 0] - low[0], points[m, 1] - low[1], points[m, 2] - low[2]] = 0
-    return count
-
-
-@kernel
-def cut_body(cells, x, y, z, n, h, least, rows, at, values, covered):
-    """covered (c, 7) of cells (c, 3) [without ghosts]: six faces, then volume [-].
-
-    x, y, z: planes of half cells; n (m, 3), h (m,): planes of the body; least [length]: a distance that counts as 0.
-    rows (q, c): for each curved sheet the row of each cell in at (p, NODES), numbers of its nodes in values (v,)
-    [length]; -1 where the sheet is far beyond the cell, -2 where the cell is far beyond the sheet.
-    """
-    work = work_space()
-    field = np.empty((len(h) + len(rows) + 1, NODES))
-    for c in range(len(cells)):
-        planes = _load_planes(field, n, h, x, y, z, cells[c], least)
-        count = planes
-        out = False
-        for q in range(len(rows)):
-            row = rows[q, c]
-            out |= row == -2
-            if row >= 0:
-                for v in range(NODES):
-                    d = values[at[row, v]]
-                    field[count, v] = 0.0 if abs(d) <= least else d
-                count += 1
+    if count > 1:
         for part in range(7):
-            if out:
-                covered[c, part] = 0.0
-                continue
-            share = _covered_by(work, field, count, part, PIECES)
-            if count > planes and _bent(field, planes, count, part):
-                fine = _covered_by(work, field, count, part, 1)
-                share = fine if fine == 0.0 or fine == 1.0 else 1.0 - extrapolated(1.0 - fine, 1.0 - share)
-            covered[c, part] = share
+            out[part] = _cover_part(work, ring, values, planes, count, part)
+        return
+    if count == 0:
+        for part in range(7):
+            out[part] = 1.0
+        return
+    open_parts(values[0], 2, sums, coarse)
+    if planes == 0:
+        open_parts(values[0], 1, sums, fine)
+    for part in range(7):
+        out[part] = _joined(1.0 - fine[part], 1.0 - coarse[part]) if planes == 0 else 1.0 - coarse[part]

@@ -13,49 +13,104 @@ from typing import NamedTuple
 
 import numpy as np
 
+from flowgmo.flow.favor.body_cut import MOST_SHEETS
+from flowgmo.flow.favor.body_values import ROUND
 from flowgmo.flow.favor.near_surface import Distance, Pose, Shape, placed
 from flowgmo.flow.favor.sheets import MANY
 
 POINTS = 4096  # at which a body is compared with its sheets: a part that they do not give is smaller than one of these
+FITTED = 64  # points where a curved sheet is compared with a ball and a cylinder
+FIT = 1e-13  # of the body's size: what both may differ by
 ALIKE = 1e-9  # of the body's size: two triangles of one flat face have planes that differ by rounding
 
 
 class Moved(NamedTuple):
-    """A body in its pose, where it is negative: all n . x - h, n (m, 3), h (m,) [length], and all `curved`.
+    """A body in its pose, where all its sheets are negative: planes (m, 4), rounds (q, 8) of body_values.py, curved.
 
-    distance, bounds (2, 3): of the body as a whole. exact: it is what its sheets bound; else curved is its distance.
+    distance, bounds (2, 3): of the body as a whole.
     """
 
     distance: Distance
     bounds: np.ndarray
-    n: np.ndarray
-    h: np.ndarray
+    planes: np.ndarray
+    rounds: np.ndarray
     curved: tuple[Distance, ...]
-    exact: bool
 
 
 class Body:
-    """A shape given in its place at t = 0, to be put into poses."""
+    """A shape given in its place at t = 0, to be put into poses.
+
+    n (m, 3), h (m,): its planes; rounds (q, 8); curved: its other sheets. exact: it is what its sheets bound; else its
+    distance stands for them.
+    """
 
     def __init__(self, shape: Shape) -> None:
         self.shape = shape
         self.n, self.h, self.curved = np.zeros((0, 3)), np.zeros(0), (shape.distance,)
-        self.exact = False
         found = _sheets(shape)
+        self.exact = found is not None
         if found is not None:
             self.n, self.h, self.curved = found
-            self.exact = True
+        self._bounds = shape.bounds()
+        middle, half = _box(self._bounds)
+        fitted = [round_sheet(d, middle, half) for d in self.curved]
+        self.curved = tuple(d for d, f in zip(self.curved, fitted, strict=True) if f is None)
+        self.rounds = np.array([f for f in fitted if f is not None]).reshape(-1, ROUND)
+
+    def distance(self, x: np.ndarray) -> np.ndarray:
+        """Signed distance (n,) of points (n, 3), in its place at t = 0."""
+        return self.shape.distance(x)
+
+    def bounds(self) -> np.ndarray:
+        """Box (2, 3), in its place at t = 0."""
+        return self._bounds
 
     def moved(self, pose: Pose) -> Moved:
         """The body at x = R x0 + t."""
-        distance, bounds = placed(self.shape, pose)
+        distance, bounds = placed(self, pose)
         n = self.n @ pose.R.T
-        curved = tuple(_turned(d, pose) for d in self.curved)
-        return Moved(distance, bounds, n, self.h + n @ pose.t, curved, self.exact)
+        planes = np.column_stack([n, self.h + n @ pose.t])
+        rounds = self.rounds.copy()
+        rounds[:, :3] = self.rounds[:, :3] @ pose.R.T + pose.t
+        rounds[:, 3:6] = self.rounds[:, 3:6] @ pose.R.T
+        return Moved(distance, bounds, planes, rounds, tuple(_turned(d, pose) for d in self.curved))
 
 
 def _turned(distance: Distance, pose: Pose) -> Distance:
     return lambda x: distance((x - pose.t) @ pose.R)
+
+
+def _box(bounds: np.ndarray) -> tuple[np.ndarray, float]:
+    """Middle (3,) and half the diagonal of bounds (2, 3); those of a unit box where there are none."""
+    low, high = bounds
+    if not np.isfinite(high - low).all():
+        return np.zeros(3), 1.0
+    return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+
+
+def round_sheet(distance: Distance, middle: np.ndarray, size: float) -> np.ndarray | None:
+    """Numbers (8,) of the ball or cylinder whose distance this is, but for rounding; None for all others.
+
+    d = s (|w| - r) with w = P y - c, P = I - a a, gives   d^2 = y . P y - 2 c . y - 2 s r d + (c . c - r^2),   linear
+    in what is sought: P, c, s r. The axis a is where P is 0; a ball has none.
+    """
+    y = 2.0 * _spread(FITTED) - 1.0
+    d = distance(middle + size * y) / size
+    if not np.isfinite(d).all():
+        return None
+    squares = y[:, [0, 1, 2, 1, 0, 0]] * y[:, [0, 1, 2, 2, 2, 1]]
+    terms = np.column_stack([squares, -2.0 * y, -2.0 * d, np.ones(len(y))])
+    xx, yy, zz, yz, xz, xy, cx, cy, cz, sr, _ = np.linalg.lstsq(terms, d * d, rcond=None)[0]
+    along, axes = np.linalg.eigh(np.array([[xx, xy / 2, xz / 2], [xy / 2, yy, yz / 2], [xz / 2, yz / 2, zz]]))
+    axis = axes[:, 0] if along[0] < 0.5 else np.zeros(3)
+    axis = np.where(np.abs(axis) < FIT, 0.0, axis)
+    c = np.array([cx, cy, cz])
+    c -= axis * (c @ axis)
+    r, s = abs(sr), np.sign(sr)
+    across = y - np.outer(y @ axis, axis)
+    if r == 0.0 or not np.abs(s * (np.linalg.norm(across - c, axis=1) - r) - d).max() <= FIT:
+        return None
+    return np.concatenate([middle + size * c, axis, [size * r, s]])
 
 
 def _sheets(shape: Shape) -> tuple[np.ndarray, np.ndarray, tuple] | None:
@@ -65,7 +120,7 @@ def _sheets(shape: Shape) -> tuple[np.ndarray, np.ndarray, tuple] | None:
     if sheets is None or not np.isfinite(high - low).all() or not (low < high).all():
         return None
     n, h = _different(sheets.n, sheets.h, 0.5 * (low + high), np.linalg.norm(high - low))
-    if len(n) > MANY:
+    if len(n) > MANY or len(n) + len(sheets.curved) > MOST_SHEETS:
         return None
     x = low + (high - low) * _spread(POINTS)
     inside = shape.distance(x) < 0.0

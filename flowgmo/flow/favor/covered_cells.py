@@ -58,6 +58,12 @@ def runs_apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.concatenate(found)
 
 
+def united(lists: list[np.ndarray]) -> np.ndarray:
+    """Numbers (n,) that are in any of the lists, ascending."""
+    every = np.sort(np.concatenate(lists))
+    return every[np.append(True, every[1:] != every[:-1])[: len(every)]]
+
+
 @kernel
 def cells_of(numbers, shape, cells):
     """Cells (n, 3) [with ghosts] of numbers (n,)."""
@@ -146,6 +152,17 @@ def keep_volume(still, total, opened):
             for part in range(6):
                 if still[c, part] > 0.0 and total[c, part] == 0.0:
                     opened[c, 6] = ROUND
+
+
+@kernel
+def mean_open(now, then, mean, wanted):
+    """mean (n, 7) of what is open now and then, and the cells (n,) bool that have volume or, in the mean, a face."""
+    for c in range(len(now)):
+        some = now[c, 6] > 0.0 or then[c, 6] > 0.0
+        for part in range(7):
+            mean[c, part] = 0.5 * (now[c, part] + then[c, part])
+            some |= part < 6 and mean[c, part] > 0.0
+        wanted[c] = some
 
 
 @kernel

@@ -25,7 +25,7 @@ from flowgmo.flow.favor.body_cover import BodyCover, CoverMesh, cover_body, keep
 from flowgmo.flow.favor.body_sheets import Body
 from flowgmo.flow.favor.fractions import Solids
 from flowgmo.flow.favor.near_surface import Pose, Shape
-from flowgmo.flow.favor.overlaps import Posed, open_together
+from flowgmo.flow.favor.overlaps import Posed, cut_overlaps
 from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Open, zeros
 from flowgmo.mesh import Block
@@ -34,10 +34,10 @@ from flowgmo.mesh import Block
 class Swept(NamedTuple):
     """What bodies touch now or then.
 
-    cells (n, 3) int32 [with ghosts] in C order: real cells near a body's surface now or then that have V0, V1 (n,) open
-    shares of their volume now and then, or an open face in the mean. shares: one for each body, of the mean; covered:
-    the mean share of the volume of the same cells that it covers. volume (bodies, 2) [length3]: each body's own volume
-    on the mesh, now and then.
+    cells (n, 3) int32 [with ghosts] in C order: real cells that a body touches now or then and that have an open part
+    now or then (so not those that stay inside). V0, V1 (n,): open shares of their volume now and then. shares: one for
+    each body, of the mean; covered: the mean share of the volume of the same cells that it covers. volume (bodies, 2)
+    [length3]: each body's own volume on the mesh, now and then.
     """
 
     cells: np.ndarray
@@ -53,6 +53,14 @@ class _Rows(NamedTuple):
 
     at: np.ndarray
     shares: np.ndarray
+
+
+class _Part(NamedTuple):
+    """Of cells (n, 7), at one time: what the stationary solids leave, what all bodies cover, what is open."""
+
+    still: np.ndarray
+    total: np.ndarray
+    opened: np.ndarray
 
 
 class _Pending(NamedTuple):
@@ -116,28 +124,22 @@ class MovingOpenings:
         still, now = np.empty((len(cells), 7)), np.empty((len(cells), 7))
         covered_cells.read_open(cells, *self._still, still)
         covered_cells.read_open(cells, *self.open, now)
-        total0, most = _sum(rows0, len(cells))
+        total0, _ = _sum(rows0, len(cells))
         total1, most = _sum(rows1, len(cells))
         then = self._left_open(cells, still, rows1, total1, most, poses)
-        mean = 0.5 * (now + then)
+        mean, wanted = np.empty((len(cells), 7)), np.empty(len(cells), bool)
+        covered_cells.mean_open(now, then, mean, wanted)
         self._put(self.mean, cells, kept if keep_mean else mean)
-        wanted = (now[:, 6] > 0.0) | (then[:, 6] > 0.0) | (mean[:, :6] > 0.0).any(axis=1)
-        shares, covered = [], []
-        for a, b in zip(rows0, rows1, strict=True):
-            S0, S1 = np.empty((len(a.at), 7)), np.empty((len(b.at), 7))
-            covered_cells.scale_shares(*a, still, total0, now, S0)
-            covered_cells.scale_shares(*b, still, total1, then, S1)
-            at, out = np.empty(len(a.at) + len(b.at), np.int64), np.empty((len(a.at) + len(b.at), 7))
-            n = covered_cells.mean_shares(a.at, S0, b.at, S1, wanted, at, out)
-            shares.append(Shares(cells[at[:n]], out[:n, :6].copy()))
-            covered.append(out[:n, 6].copy())
+        parts = [_Part(still, total0, now), _Part(still, total1, then)]
+        shares = tuple(_mean_shares(cells, wanted, *pair, parts) for pair in zip(rows0, rows1, strict=True))
         volume = np.array([[a.volume, b.volume] for a, b in zip(self._covers, covers, strict=True)]).reshape(-1, 2)
-        swept = Swept(cells[wanted], now[wanted, 6], then[wanted, 6], tuple(shares), tuple(covered), volume)
-        self._pending = _Pending(list(poses), covers, cells, now, then, swept)
+        shares, covered = (tuple(s[k] for s in shares) for k in (0, 1))
+        swept = Swept(cells[wanted], now[wanted, 6], then[wanted, 6], shares, covered, volume)
+        self._pending = _Pending([_copy(pose) for pose in poses], covers, cells, now, then, swept)
         return swept
 
     def settle(self) -> None:
-        """The newest poses become now: `open` is what they leave, and `mean` the same."""
+        """The newest poses become now: `open` is what they leave, and `mean` the same. Again: nothing."""
         pending = self._pending
         if pending is None:
             return
@@ -145,7 +147,10 @@ class MovingOpenings:
             self._settle(self.mean, self._left.cells, self._left.now)
         for fields in (self.open, self.mean):
             self._settle(fields, pending.cells, pending.then)
-        self._poses, self._covers, self._pending, self._left = pending.poses, pending.covers, None, None
+        moved = any(a is not b for a, b in zip(self._covers, pending.covers, strict=True))
+        self._poses, self._covers = pending.poses, pending.covers
+        self._pending = None if moved else pending  # what was found of bodies that all rest stays true
+        self._left = None
 
     def withdraw(self) -> None:
         """As if nothing had been swept since the last settle."""
@@ -177,7 +182,7 @@ class MovingOpenings:
         lists = [np.zeros(0, np.int64)]
         for a, b in zip(self._covers, covers, strict=True):
             lists += [a.numbers] if a is b else [a.numbers, b.numbers, covered_cells.runs_apart(a.runs, b.runs)]
-        union = np.unique(np.concatenate(lists))
+        union = covered_cells.united(lists)
         cells = np.empty((len(union), 3), np.int32)
         covered_cells.cells_of(union, self._mesh.shape, cells)
         now = [_rows(union, a) for a in self._covers]
@@ -185,17 +190,23 @@ class MovingOpenings:
         return cells, now, then
 
     def _left_open(
-        self, cells: np.ndarray, still: np.ndarray, rows: list[_Rows], total: np.ndarray, most: np.ndarray,
+        self,
+        cells: np.ndarray,
+        still: np.ndarray,
+        rows: list[_Rows],
+        total: np.ndarray,
+        most: np.ndarray,
         poses: Sequence[Pose],
-    ) -> np.ndarray:  # fmt: skip
-        """Open shares (n, 7) that bodies in poses and stationary solids leave; the faces of `mean` are scratch."""
+    ) -> np.ndarray:
+        """Open shares (n, 7) that bodies in their poses and stationary solids leave; `mean` is scratch."""
         opened, overlapping = np.empty((len(cells), 7)), np.empty(len(cells), np.uint8)
         covered_cells.leave_open(still, total, most, opened, overlapping)
-        some = np.flatnonzero(overlapping)
-        if len(some):
-            shapes = [Posed(self._shapes[b], poses[b]) for b, r in enumerate(rows) if np.isin(some, r.at).any()]
-            together = np.minimum(open_together(self._block, shapes + self._still_shapes, cells[some]), still[some])
-            opened[some] = np.where(total[some] > 0.0, together, still[some])
+        some = np.zeros(0, np.int64)
+        if overlapping.any():
+            shapes = [Posed(shape, pose) for shape, pose in zip(self._shapes, poses, strict=True)]
+            shared = sum(np.bincount(r.at, minlength=len(cells)) for r in rows) + (still < 1.0).any(axis=1) > 1
+            of = still, total, shared, opened, overlapping.astype(bool)
+            some = cut_overlaps(self._block, shapes + self._still_shapes, cells, *of)
         covered_cells.keep_volume(still, total, opened)
         faces = self.mean[1:]
         put_openings.put_faces(cells, opened, *faces)
@@ -219,9 +230,27 @@ def _same(a: Pose | None, b: Pose | None) -> bool:
     return np.array_equal(a.R, b.R) and np.array_equal(a.t, b.t)
 
 
+def _copy(pose: Pose) -> Pose:
+    """A pose of its own: the caller's may change in place."""
+    return Pose(np.array(pose.R, float), np.array(pose.t, float))
+
+
 def _inside(cover: BodyCover, mesh: CoverMesh) -> bool:
     """Whether nothing of a body touches a side of the domain."""
     return bool(len(cover.numbers)) and not touches_side(cover.numbers, cover.shares, np.array(mesh.shape))
+
+
+def _mean_shares(
+    cells: np.ndarray, wanted: np.ndarray, now: _Rows, then: _Rows, parts: list[_Part]
+) -> tuple[Shares, np.ndarray]:
+    """Mean shares of one body in the wanted cells (n,) where it is now or then, and of their volumes (m,)."""
+    faces = []
+    for rows, part in zip((now, then), parts, strict=True):
+        faces.append(np.empty((len(rows.at), 7)))
+        covered_cells.scale_shares(*rows, *part, faces[-1])
+    at, out = np.empty(len(now.at) + len(then.at), np.int64), np.empty((len(now.at) + len(then.at), 7))
+    n = covered_cells.mean_shares(now.at, faces[0], then.at, faces[1], wanted, at, out)
+    return Shares(cells[at[:n]], out[:n, :6].copy()), out[:n, 6].copy()
 
 
 def _rows(union: np.ndarray, cover: BodyCover) -> _Rows:

@@ -60,7 +60,7 @@ def placed(shape: Shape, pose: Pose | None) -> tuple[Distance, np.ndarray]:
 
 def near_cells(distance: Distance, planes: Planes, bounds: np.ndarray, box: np.ndarray | None = None) -> Near:
     """The cells in `box` (2, 3), first and one past the last, that the surface may cut; the whole mesh without."""
-    first, past = _reach(planes, bounds)
+    first, past = reach(planes, bounds)
     if box is not None:
         first, past = np.maximum(first, box[0]), np.minimum(past, box[1])
     nothing = np.zeros((0, 2, 3), np.int32)
@@ -84,7 +84,7 @@ def near_cells(distance: Distance, planes: Planes, bounds: np.ndarray, box: np.n
         low = low[(low < past).all(axis=1)]
 
 
-def _reach(planes: Planes, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def reach(planes: Planes, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """First and one past the last cell that the bounds touch; one more at each end, whose face may lie on the body."""
     ends = [
         (max(np.searchsorted(x, a, "left") - 2, 0), min(np.searchsorted(x, b, "right") + 1, len(x) - 1))

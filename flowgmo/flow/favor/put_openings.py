@@ -6,6 +6,8 @@ image[g] along that direction, one direction after the other, so that in edges a
 
 from __future__ import annotations
 
+import numpy as np
+
 from flowgmo.flow.fields import G
 from flowgmo.kernel import inner, kernel
 
@@ -89,16 +91,11 @@ def mirror_cells(cells, a, axis):
     """Write the images of what cells (n, 3) and their lower faces hold; axis -1: cell centres, 0, 1, 2: upper faces."""
     nx, ny, nz = a.shape
     for c in range(len(cells)):
-        i = cells[c, 0]
-        j = cells[c, 1]
-        k = cells[c, 2]
+        i = np.int64(cells[c, 0])
+        j = np.int64(cells[c, 1])
+        k = np.int64(cells[c, 2])
         near = i <= 2 * G or i >= nx - 2 * G - 1 or j <= 2 * G or j >= ny - 2 * G - 1
         if not (near or k <= 2 * G or k >= nz - 2 * G - 1):
             continue
-        _copy(a, i, j, k, axis)
-        if axis == 0:
-            _copy(a, i - 1, j, k, axis)
-        elif axis == 1:
-            _copy(a, i, j - 1, k, axis)
-        elif axis == 2:
-            _copy(a, i, j, k - 1, axis)
+        for face in range(2 if axis >= 0 else 1):  # one call in a loop is compiled once
+            _copy(a, i - face * (axis == 0), j - face * (axis == 1), k - face * (axis == 2), axis)

@@ -26,6 +26,8 @@ from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes
 from flowgmo.flow.immersed.fresh import mean_around
 from flowgmo.flow.immersed.volume_change import VolumeChange
 
+PUSH = 0.5  # share of an overfull cell's excess that leaves in one step, as in pressure/projection.py
+
 
 class Immersed:
     """covers: open fractions; renew: called when these have changed, to sort faces and regions anew.
@@ -51,8 +53,12 @@ class Immersed:
         swept = self.swept = self.covers.sweep(poses)
         self.cells, rows = swept.cells, tuple(swept.cells.T)
         self.change = VolumeChange(rows, swept.V0, swept.V1, self.open.V)
-        self.growth = (swept.V1 - swept.V0) * np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
+        volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
+        self.growth = (swept.V1 - swept.V0) * volumes
         self._uncover_cells(flow)
+        self.beyond = np.zeros(len(swept.V0))
+        if flow.F is not None:
+            self.beyond = np.maximum(flow.F[rows] - 1.0, 0.0) * (self.change.most - swept.V0) * volumes
         self._find_faces(flow, places, velocities)
         self.hold(flow.velocity)
         self.fluxes: list[BodyFluxes] = []
@@ -111,9 +117,12 @@ class Immersed:
     # ---- the pressure equation
 
     def source(self, diagonal: np.ndarray, dt: float, right: np.ndarray) -> None:
-        """right [length3/time] -= the growth of the open volume of the equation's cells within dt."""
+        """right [length3/time] -= the growth of the open volume of the equation's cells within dt.
+
+        What such a cell holds too much of, F - 1, it holds of V0, not of the larger V that net_inflow sees.
+        """
         rows = tuple(self.cells.T)
-        right[rows] -= np.where(diagonal[rows] != 0.0, self.growth / dt, 0.0)
+        right[rows] -= np.where(diagonal[rows] != 0.0, (self.growth + PUSH * self.beyond) / dt, 0.0)
 
     # ---- the liquid
 

@@ -2,10 +2,10 @@
 
 A u dt may exceed the little open volume V of such a cell, so that V F ends above V or below 0. Only this excess moves:
 
-    to neighbour n   weight A_n (face area) (V - V F)_n      what is too much goes where there is room
+    to neighbour n   weight A_n (face area) V_n (V - V F)_n  what is too much goes where there is room
     from neighbour n weight A_n (face area) (V F)_n          what is missing comes from where there is liquid
 
-Where all are full the weight is A V: a share of a larger cell is less overfull than all of a small one. The volume
+Where all are full the weight is A V2: a share of a larger cell is less overfull than all of a small one. The volume
 given is the volume taken, to round-off: a donor leaves its excess over the sum of weights in `rate`, and each
 receiver takes rate times its own weight, so that a kernel writes to its own column only.
 """
@@ -31,11 +31,13 @@ def _excess(V, liquid):
 
 @inner
 def _appetite(V, liquid, much):
-    """Weight per area of a receiver: room for too much, liquid against too little; a cell that closes takes nothing."""
-    if V <= 0.0:
-        return 0.0
+    """Weight per area of a receiver: room for too much, liquid against too little.
+
+    Room counts by the cell's own volume, so that where it is short, a cell that is hardly open is not filled a
+    thousandfold; a cell that closes takes nothing, whatever it lacks itself.
+    """
     if much:
-        return max(V - liquid, 0.0) + ANYWAY * V
+        return V * (max(V - max(liquid, 0.0), 0.0) + ANYWAY * V)
     return max(liquid, 0.0)
 
 
