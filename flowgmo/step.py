@@ -130,6 +130,7 @@ def _stages_with_bodies(
         wet.kick(state.fluid, room.motion, state.t, t1)
         couple = wet.coupling_of(room.motion, model.fluid.rho, model.gravity, dt)
         stages.project(liquid, state.fluid, dt, couple)
+        liquid.immersed.restore_short()
         wet.couple(liquid.projector.q, room.motion, room.rows)
 
     def arrive(world: World, state: State, t1: float, room: Room) -> None:

@@ -80,6 +80,8 @@ class WetBodies:
         places = 0.5 * (motion["p"][m] + then["p"][m])
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
         self.liquid.immersed.begin(flow, self.poses(then), places, self.velocities, with_fluxes=len(self.coupled) > 0)
+        self.liquid.find_columns(flow.F)
+        self.liquid.immersed.fill_short(self.liquid.near, flow.F)
 
     def _drive(self, then: np.ndarray, t0: float, t1: float) -> None:
         """Prescribed bodies of then (n,) POSE at t0 come to t1."""

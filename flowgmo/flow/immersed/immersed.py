@@ -24,6 +24,7 @@ from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes
 from flowgmo.flow.immersed.fresh import mean_around
+from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.volume_change import VolumeChange
 
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step, as in pressure/projection.py
@@ -42,6 +43,7 @@ class Immersed:
         self.covers, self.grid, self.centres, self.renew = covers, grid, centres, renew
         self.open = covers.mean
         self.swept = None
+        self.short: ShortCells | None = None
 
     # ---- before the liquid moves
 
@@ -114,6 +116,16 @@ class Immersed:
             if u is not None:
                 u[held[0]] = held[1]
 
+    def fill_short(self, columns: np.ndarray, F: np.ndarray | None) -> None:
+        """Cells of columns that lack a little are full in F until `restore_short` (short_cells.py)."""
+        self.short = None if F is None else ShortCells(columns, F, self.open.V, self.open[1:])
+
+    def restore_short(self) -> None:
+        """F as it is again; once for each `fill_short`."""
+        if self.short is not None:
+            self.short.restore()
+        self.short = None
+
     # ---- the pressure equation
 
     def source(self, diagonal: np.ndarray, dt: float, right: np.ndarray) -> None:
@@ -123,6 +135,11 @@ class Immersed:
         """
         rows = tuple(self.cells.T)
         right[rows] -= np.where(diagonal[rows] != 0.0, (self.growth + PUSH * self.beyond) / dt, 0.0)
+        if self.short is not None:
+            at = self.short.cells
+            volumes = np.prod([d[k] for d, k in zip(self.grid[:3], at, strict=True)], axis=0)
+            lacking = self.short.lack * self.covers.open.V[at] * volumes
+            right[at] -= np.where(diagonal[at] != 0.0, PUSH * lacking / dt, 0.0)
 
     # ---- the liquid
 
@@ -140,6 +157,7 @@ class Immersed:
 
     def withdraw(self) -> None:
         """The step failed: open fractions as before it."""
+        self.restore_short()
         self.covers.withdraw()
 
     def settle(self) -> None:

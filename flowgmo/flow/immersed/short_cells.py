@@ -1,0 +1,71 @@
+"""Cells amid liquid that hold a little less than their volume, beside bodies that move: no voids, but a debt.
+
+What the pressure could not know (how far a body turns within the step, what an impact does to it) leaves cells a little
+over- or underfull. Taken for voids, the underfull ones would have the void's pressure, in the middle of the liquid. So
+where a cell lacks less than SMALL of a cell's volume, and so does every neighbour through an open face, it is full for
+the pressure equation, and what it lacks flows in, half of it in each step, as what others hold too much flows out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.flow.fields import G
+from flowgmo.kernel import inner, kernel
+
+SMALL = 0.02  # of a cell's volume: what steps of a body's motion leave; a void by which a surface shows is larger
+
+
+@inner
+def _lacks(F, V, i, j, k):
+    """What a cell lacks [-], in volumes of cells."""
+    return (1.0 - F[i, j, k]) * V[i, j, k]
+
+
+@kernel
+def _list_short(columns, F, V, Ax, Ay, Az, most, cells):
+    """Fill cells (n, 3), as far as they reach, with those that are to be full; returns how many there are."""
+    nx, ny, nz = F.shape
+    count = np.int64(0)
+    for c in range(len(columns)):
+        i = np.int64(columns[c, 0])
+        j = np.int64(columns[c, 1])
+        for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
+            if not 0.0 < _lacks(F, V, i, j, k) < most:
+                continue
+            deep = True
+            for d in range(3):
+                di, dj, dk = np.int64(d == 0), np.int64(d == 1), np.int64(d == 2)
+                A = Ax if d == 0 else (Ay if d == 1 else Az)
+                at, n = (i, nx) if d == 0 else ((j, ny) if d == 1 else (k, nz))
+                if at < n - G - 1 and A[i, j, k] > 0.0 and _lacks(F, V, i + di, j + dj, k + dk) >= most:
+                    deep = False
+                if at > G and A[i - di, j - dj, k - dk] > 0.0 and _lacks(F, V, i - di, j - dj, k - dk) >= most:
+                    deep = False
+            if deep:
+                if count < len(cells):
+                    cells[count, 0] = i
+                    cells[count, 1] = j
+                    cells[count, 2] = k
+                count += 1
+    return count
+
+
+class ShortCells:
+    """Those of one step: cells, an index of arrays of mesh size, and what they lack (n,) [-]."""
+
+    def __init__(self, columns: np.ndarray, F: np.ndarray, V: np.ndarray, areas: tuple) -> None:
+        """Find them in columns, and make F full there until `restore`."""
+        found = np.empty((0, 3), np.int64)
+        count = _list_short(columns, F, V, *areas, SMALL, found)
+        if count:
+            found = np.empty((count, 3), np.int64)
+            _list_short(columns, F, V, *areas, SMALL, found)
+        self.cells, self.F = tuple(found.T), F
+        self.held = F[self.cells]
+        self.lack = 1.0 - self.held
+        F[self.cells] = 1.0
+
+    def restore(self) -> None:
+        """F as it is."""
+        self.F[self.cells] = self.held
