@@ -51,7 +51,7 @@ def prepare(model: Model) -> World:
     arrays, laws = pack(model.bodies, model.gravity)
     plan = model.contacts
     before, after, liquid, wet = _flow_stages(model, arrays, laws)
-    flying = arrays if wet is None else wet.flying
+    flying, flying_laws = (arrays, laws) if wet is None else (wet.flying, wet.flying_laws)
     colliding = set(np.flatnonzero(plan.allowed.any(axis=1)).tolist()) if plan else set()
     collisions = None
     stages: list[tuple[str, Callable]] = []
@@ -61,7 +61,7 @@ def prepare(model: Model) -> World:
     if any(arrays["motion"][i] != STILL for i in colliding if i < len(arrays)):
         from flowgmo.collision.stage import Collisions, move_colliding
 
-        collisions = Collisions(model, flying, laws)
+        collisions = Collisions(model, flying, flying_laws)
         stages.append(("collisions", move_colliding))
     watch = None
     if liquid is not None:
@@ -80,6 +80,7 @@ def prepare(model: Model) -> World:
         liquid=liquid,
         wet_bodies=wet,
         flying=flying,
+        flying_laws=flying_laws,
         watch=watch,
         stages=(*before, *stages, *after),
         scratch=poses_of(initial_state(model)),
@@ -127,11 +128,10 @@ def _stages_with_bodies(
 
     def project(world: World, state: State, t1: float, room: Room) -> None:
         dt = t1 - state.t
-        wet.kick(state.fluid, room.motion, state.t, t1)
-        couple = wet.coupling_of(room.motion, model.fluid.rho, model.gravity, dt)
-        stages.project(liquid, state.fluid, dt, couple)
+        wet.kick(state.fluid, state, room.motion, state.t, t1)
+        stages.project(liquid, state.fluid, dt, wet.couple)
         liquid.immersed.restore_short()
-        wet.couple(liquid.projector.q, room.motion, room.rows)
+        wet.finish(liquid.projector.q, room.motion, room.rows)
 
     def arrive(world: World, state: State, t1: float, room: Room) -> None:
         liquid.immersed.arrive(wet.poses(room.motion))
@@ -235,7 +235,7 @@ def _move_alone(world: World, state: State, t1: float, room: Room) -> None:
     hits = np.zeros((MAX_HITS, 7))
     hit_body = np.zeros(MAX_HITS, dtype=np.int64)
     count, failed = move_alone(
-        world.movers, world.flying, world.laws, room.motion, room.books, state.t, t1, room.asked, room.rows,
+        world.movers, world.flying, world.flying_laws, room.motion, room.books, state.t, t1, room.asked, room.rows,
         room.rows_books, hits, hit_body,
     )  # fmt: skip
     if failed >= 0:

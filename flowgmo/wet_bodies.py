@@ -7,27 +7,37 @@
 
 Coupled bodies that the liquid touches move through the step with the velocity of its end, as the liquid does: their
 rows of World.flying have no gravity and no loads. Bodies that it does not touch fly as in a dry scene.
+
+In a scene with collisions the contact engine moves the bodies. What presses a stone on the bed must then be known as a
+load and not as a velocity: there the liquid's load of the step is a constant force and moment, two more laws of each
+body, and contacts that were held take part in the pressure equation (flow/immersed/contact_rows.py).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from flowgmo.bodies.arrays import DRIVEN, HINGED, STILL
+from flowgmo.bodies.arrays import DRIVEN, HINGED, STILL, pack
+from flowgmo.bodies.body import ControlLoads, Table
 from flowgmo.bodies.energy import rotation_matrices
-from flowgmo.bodies.kicks import kick
+from flowgmo.bodies.kicks import control_loads_at, kick
 from flowgmo.bodies.laws import Laws
 from flowgmo.bodies.move import move_alone
 from flowgmo.errors import StepTooLong
 from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, weight_of_displaced
+from flowgmo.flow.immersed.contact_rows import Rows, constrain, rows_of_contacts
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.liquid import Liquid
 from flowgmo.model import Model
+from flowgmo.state import State
 
 TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
+STICKS = 0.99  # of the friction cone: a contact within is taken to stick
+SLACK = 1e-3  # of the speed that gravity gives in a step: an approach that a contact row may leave
+MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
 
 
 class WetBodies:
@@ -35,7 +45,9 @@ class WetBodies:
 
     def __init__(self, model: Model, arrays: np.ndarray, laws: Laws | None, liquid: Liquid) -> None:
         self.model, self.arrays, self.laws, self.liquid = model, arrays, laws, liquid
-        self.flying = arrays.copy()
+        self.loaded = model.contacts is not None
+        self.unloaded, self.flying_laws = pack_with_loads(model) if self.loaded else (arrays, laws)
+        self.flying = self.unloaded.copy()
         motion = arrays["motion"]
         self.movers = np.flatnonzero(motion != STILL)
         solved = [bool(np.any(row["coupled"])) and row["mass"] > 0.0 for row in arrays]
@@ -92,64 +104,168 @@ class WetBodies:
                 np.zeros((0, 4)), np.zeros((64, 7)), np.zeros(64, dtype=np.int64),
             )  # fmt: skip
 
-    def kick(self, flow: object, motion: np.ndarray, t0: float, t1: float) -> None:
-        """motion["v"], ["w"] of coupled bodies that the liquid touches: U* (bodies/kicks.py); they fly freely then."""
-        self.flying[:] = self.arrays
-        self.wet = []
-        if not len(self.coupled):
-            return
+    def kick(self, flow: object, state: State, motion: np.ndarray, t0: float, t1: float) -> None:
+        """U* of the coupled bodies that the liquid touches: by gravity and control loads (bodies/kicks.py)."""
+        self.dt, self.middle, self.wet = t1 - t0, 0.5 * (t0 + t1), []
+        self.flying[:] = self.unloaded
         F = None if flow.F is None else flow.F.reshape(-1)
         for b in self.coupled:
             cells = self.liquid.immersed.fluxes[self.place[int(b)]].cells
             if len(cells) and (F is None or (F[cells] > 0.0).any()):
                 self.wet.append(int(b))
         which = np.array(self.wet, dtype=np.int64)
-        kick(which, self.arrays, self.laws, motion, t0, t1)
-        row = self.flying
-        for name in ("gravity", "first_load", "last_load"):
-            row[name][which] = 0
-        for name in ("force", "torque"):
-            row[name][which] = -1
-        self.inverse_mass = inverse_masses(self.arrays[which], motion[which])
+        after = motion.copy()
+        kick(which, self.arrays, self.laws, after, t0, t1)
+        self.kicked = np.hstack([after["v"][which], after["w"][which]])
+        self.expected = self.velocities[[self.place[b] for b in self.wet]].reshape(-1, 6)
+        self.each_inverse = inverse_masses(self.arrays[which], motion[which])
+        self.contacts = self._contacts(state, motion) if self.wet and len(state.held_parts) else None
+        self.turns = 0
 
-    def coupling_of(self, motion: np.ndarray, rho: float, gravity: np.ndarray, dt: float) -> Callable | None:
-        """For Projector.project: the bodies as the present liquid cells couple them; adds to its right-hand side."""
-        if not self.wet:
-            return None
-        fluxes = [self.liquid.immersed.fluxes[self.place[b]] for b in self.wet]
-        expected = np.array([self.velocities[self.place[b]] for b in self.wet])
-        start = np.array([np.concatenate([motion["v"][b], motion["w"][b]]) for b in self.wet])
+    def _contacts(self, state: State, motion: np.ndarray) -> Contacts:
+        """The contacts that the bodies keep."""
+        number = np.full(len(motion) + 6, -1)
+        number[self.wet] = np.arange(len(self.wet))
+        a, b = state.held_parts[:, 0], state.held_parts[:, 1]
+        some = (number[a] >= 0) | (number[b] >= 0)
+        a, b, values = a[some], b[some], state.held_values[some]
+        place, velocity = np.zeros((len(motion) + 6, 3)), np.zeros((len(motion) + 6, 6))
+        place[: len(motion)] = motion["p"]
+        velocity[self.movers] = self.velocities
+        own = np.hstack([motion["v"], motion["w"]])
+        own = np.concatenate([own, np.zeros((6, 6))])
+        plan, normal, push = self.model.contacts, values[:, 3:6], values[:, 6:9]
+        pressed = (push * normal).sum(axis=1)
+        rubbed = np.linalg.norm(push - pressed[:, None] * normal, axis=1)
+        slip = slip_of(own, place, a, b, values[:, :3], normal)
+        mu = plan.friction[a, b]
+        stuck = (mu > 0.0) & (rubbed <= STICKS * mu * pressed) & (slip <= np.linalg.norm(self.model.gravity) * self.dt)
+        rows = rows_of_contacts(a, b, values[:, :3], normal, stuck, place, velocity, number, len(self.wet))
+        return Contacts(rows, mu, pressed > 0.0)
 
-        def couple(diagonal: np.ndarray, right: np.ndarray) -> Coupling:
-            flat, into = diagonal.reshape(-1), right.reshape(-1)
-            parts, lifts = [], []
-            for one in fluxes:
-                liquid = flat[one.cells] != 0.0
-                parts.append(BodyFluxes(*(a[liquid] for a in one)))
-                lifts.append(weight_of_displaced(parts[-1], slice(None), rho, gravity))
-            self.lifts = np.array(lifts)
-            self.start = start + dt * np.einsum("bij,bj->bi", self.inverse_mass, self.lifts)
-            for part, U, U0 in zip(parts, self.start, expected, strict=True):
-                into[part.cells] -= part.J @ (U - U0)
-            self.coupling = Coupling(parts, self.inverse_mass, rho)
-            return self.coupling
+    @property
+    def couple(self) -> WetBodies | None:
+        """For Projector.project; None where no body is moved by the pressure."""
+        return self if self.wet else None
 
-        return couple
+    def begin(self, diagonal: np.ndarray, right: np.ndarray) -> Coupling:
+        """See projection.Couple."""
+        rho, flat, into = self.model.fluid.rho, diagonal.reshape(-1), right.reshape(-1)
+        parts, lifts = [], []
+        for b in self.wet:
+            one = self.liquid.immersed.fluxes[self.place[b]]
+            liquid = flat[one.cells] != 0.0
+            parts.append(BodyFluxes(*(a[liquid] for a in one)))
+            lifts.append(weight_of_displaced(parts[-1], slice(None), rho, self.model.gravity))
+        self.lifts = np.array(lifts)
+        self.free = (self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.lifts)).reshape(-1)
+        W, self.start = block_diagonal(self.each_inverse), self.free
+        self.free_inverse = W
+        if self.contacts is not None:
+            W, self.start, self.inverse = constrain(W, self.free, *self.contacts.pressed())
+        for n, part in enumerate(parts):
+            into[part.cells] -= part.J @ (self.start[6 * n : 6 * n + 6] - self.expected[n])
+        self.coupling = Coupling(parts, W, rho)
+        return self.coupling
 
-    def couple(self, q: np.ndarray, motion: np.ndarray, rows: np.ndarray) -> None:
-        """Velocities of the wet bodies in motion (n,) and in rows (k, n) POSE, with the pressure q = p dt / rho."""
+    def contacts_changed(self, q: np.ndarray) -> bool:
+        """See projection.Couple."""
+        if self.contacts is None or self.turns >= MOST_TURNS:
+            return False
+        self.turns += 1
+        U = self.start + self.coupling.velocities(q)
+        free = self.free + self.model.fluid.rho * (self.free_inverse @ self.coupling.loads(q))
+        slack = SLACK * np.linalg.norm(self.model.gravity) * self.dt
+        return self.contacts.look(U, free, self.inverse, slack)
+
+    def finish(self, q: np.ndarray, motion: np.ndarray, rows: np.ndarray) -> None:
+        """After the pressure q = p dt / rho: velocities of the wet bodies in motion (n,) and rows (k, n) POSE, or the
+        loads with which they move on."""
+        if self.loaded:
+            self._load(q, motion)
+            return
         if not self.wet:
             return
-        U = self.start + self.coupling.velocities(q)
+        U = (self.start + self.coupling.velocities(q)).reshape(-1, 6)
         for b, own in zip(self.wet, U, strict=True):
             for to in (motion, *rows):
                 to["v"][b], to["w"][b] = own[:3], own[3:]
+            self.flying["gravity"][b] = 0.0
+            self.flying["first_load"][b] = self.flying["last_load"][b] = 0
+            self.flying["force"][b] = self.flying["torque"][b] = -1
+
+    def _load(self, q: np.ndarray, motion: np.ndarray) -> None:
+        """Give the constant laws of `flying` the loads of this step, on B."""
+        loads = np.zeros((len(motion), 6))
+        control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, loads)
+        if self.wet:
+            pressed = (self.model.fluid.rho / self.dt) * self.coupling.loads(q).reshape(-1, 6)
+            loads[self.wet] += pressed + self.lifts
+        entries, first = self.flying_laws.entries, self.flying_laws.rows["first"]
+        for b in self.coupled:
+            for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):
+                entries[first[self.flying[name][b]], 1] = of_body
 
     def poses(self, motion: np.ndarray) -> list[Pose]:
         """Of the moving bodies, from motion (n,) POSE: x = R x0 + t, x0 the place at t = 0."""
         R = rotation_matrices(motion["q"][self.movers])
         t = motion["p"][self.movers] - np.einsum("bij,bj->bi", R, self.arrays["origin"][self.movers])
         return [Pose(*one) for one in zip(R, t, strict=True)]
+
+
+class Contacts:
+    """Held contacts of a step and which of them press. rows: contact_rows.Rows; mu (k,); active (k,) bool."""
+
+    def __init__(self, rows: Rows, mu: np.ndarray, active: np.ndarray) -> None:
+        self.rows, self.mu, self.active = rows, mu, active.copy()
+
+    def pressed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows and right-hand sides of those that press."""
+        return self.rows.pressed(self.active)
+
+    def look(self, U: np.ndarray, free: np.ndarray, inverse: np.ndarray, slack: float) -> bool:
+        """Let go what pulls or slips, take up what approaches; whether anything changed.
+
+        U, free (6 n,): velocities with and without the contacts' impulses; inverse: of constrain; slack [length/time].
+        """
+        rows, speed = self.pressed()
+        impulse = -inverse @ (rows @ free - speed)
+        count, rub = int(self.active.sum()), self.active & self.rows.stuck
+        normal, sides = impulse[:count], impulse[count:].reshape(-1, 2)
+        new, stuck = self.active.copy(), self.rows.stuck.copy()
+        new[np.flatnonzero(self.active)[normal < -1e-9 * np.abs(normal).max(initial=0.0)]] = False
+        of_rub = normal[np.flatnonzero(rub[self.active])]
+        stuck[np.flatnonzero(rub)[np.linalg.norm(sides, axis=1) > self.mu[rub] * np.maximum(of_rub, 0.0)]] = False
+        approach = self.rows.normal @ U - self.rows.speed
+        new |= ~self.active & (approach < -slack)
+        changed = bool((new != self.active).any() or (stuck != self.rows.stuck).any())
+        self.active, self.rows = new, self.rows._replace(stuck=stuck)
+        return changed
+
+
+def slip_of(
+    velocity: np.ndarray, place: np.ndarray, a: np.ndarray, b: np.ndarray, point: np.ndarray, normal: np.ndarray
+) -> np.ndarray:
+    """(k,) speeds along the surface of contacts between parties a and b of given velocity (p, 6) and place (p, 3)."""
+    at = [velocity[s, :3] + np.cross(velocity[s, 3:], point - place[s]) for s in (a, b)]
+    v = at[0] - at[1]
+    return np.linalg.norm(v - (v * normal).sum(axis=1)[:, None] * normal, axis=1)
+
+
+def pack_with_loads(model: Model) -> tuple[np.ndarray, Laws | None]:
+    """The bodies as arrays, coupled ones with a constant force and moment on B that are set in every step."""
+    some = Table(np.zeros(1), np.ones(1))  # not zero, so that each becomes a law of its own
+    load = ControlLoads((some,) * 3, (some,) * 3, in_body_axes=False)
+    bodies = tuple(replace(body, loads=load) if body.coupled else body for body in model.bodies)
+    return pack(bodies, model.gravity)
+
+
+def block_diagonal(blocks: np.ndarray) -> np.ndarray:
+    """(6 n, 6 n) of blocks (n, 6, 6)."""
+    n = len(blocks)
+    out = np.zeros((n, 6, n, 6))
+    out[np.arange(n), :, np.arange(n)] = blocks
+    return out.reshape(6 * n, 6 * n)
 
 
 def turned(q: np.ndarray, angle: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ class World:
     """What kernels need of a Model, made once: bodies (n,) of BODY, laws (None: all ballistic), stages, scratch.
 
     wet_bodies: those that move in the liquid (wet_bodies.py); flying (n,) BODY: what the motion of bodies uses, the
-    same array as `arrays` but for those.
+    same array as `arrays` but for those; with flying_laws.
     """
 
     model: Model
@@ -29,6 +29,7 @@ class World:
     liquid: object | None
     wet_bodies: object | None
     flying: np.ndarray
+    flying_laws: Laws | None
     watch: object | None
     stages: tuple[tuple[str, Callable], ...]
     scratch: np.ndarray

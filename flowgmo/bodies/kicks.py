@@ -10,7 +10,7 @@ as the liquid that the body displaces is moved with the velocity of the end of t
 from __future__ import annotations
 
 from flowgmo.bodies.arrays import BALLISTIC, FORCED, HINGED
-from flowgmo.bodies.equations import accelerations, hinge_acceleration
+from flowgmo.bodies.equations import accelerations, control_loads, hinge_acceleration
 from flowgmo.bodies.laws import value
 from flowgmo.kernel import kernel
 from flowgmo.vectors import cross, put, quad, rotate, scale, triple
@@ -48,3 +48,18 @@ def _kick_by_laws(body, laws, hinged, forced, row, t0, t1):
                 row.w[k] += turn[k]
             if body.hinge == 2:
                 put(row.v, cross(triple(row.w), rotate(q, triple(body.arm))))
+
+
+@kernel
+def control_loads_at(which, A, laws, M, t, out):
+    """out (n, 6): control force and moment about B, space axes, of bodies `which` (k,) at time t; 0 where none."""
+    for b in which:
+        for k in range(6):
+            out[b, k] = 0.0
+        if laws is not None:
+            q = quad(M[b].q)
+            f, m = control_loads(A[b], laws, t, q)
+            m = rotate(q, m)
+            for k in range(3):
+                out[b, k] = f[k]
+                out[b, 3 + k] = m[k]

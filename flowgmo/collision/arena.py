@@ -67,6 +67,11 @@ class Arena:
             mask[more] = True
         return np.flatnonzero(mask)
 
+    def reload(self, arrays: np.ndarray) -> None:
+        """Take bodies (n,) of BODY whose loads have changed, with laws that have changed in place."""
+        self.bodies[: self.n] = arrays
+        self.bounds[: self.n] = build_bounds(self.bodies[: self.n], self.laws)
+
     def load(self, motion: np.ndarray, t: float) -> None:
         """Take the poses (n,) of POSE at time t; everything flies freely until told otherwise."""
         self.motion[: self.n] = motion

@@ -66,9 +66,14 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     Raises StepFailed; step.py then leaves the state as it was.
     """
     collisions = world.collisions
-    if world.model.contacts.closed_form and not state.general and collisions.balls.move(world, state, t1, room):
+    wet = world.wet_bodies is not None  # loads that change from step to step: no closed forms, and nobody sleeps
+    closed = not wet and world.model.contacts.closed_form and not state.general
+    if closed and collisions.balls.move(world, state, t1, room):
         return
     engine = collisions.engine
+    if wet:
+        engine.arena.reload(world.flying)
+        engine.sleep.on = False
     engine.held = _held_of(state)
     engine.sleep.load(state.asleep, state.quiet)
     engine.busy = state.busy

@@ -36,7 +36,7 @@ class Swept(NamedTuple):
 
     cells (n, 3) int32 [with ghosts] in C order: real cells that a body touches now or then and that have an open part
     now or then (so not those that stay inside). V0, V1 (n,): open shares of their volume now and then. shares: one for
-    each body, of the mean; covered: the mean share of the volume of the same cells that it covers. volume (bodies, 2)
+    each body, of the mean; covered: the share of the volume of the same cells that it covers now. volume (bodies, 2)
     [length3]: each body's own volume on the mesh, now and then.
     """
 
@@ -243,7 +243,7 @@ def _inside(cover: BodyCover, mesh: CoverMesh) -> bool:
 def _mean_shares(
     cells: np.ndarray, wanted: np.ndarray, now: _Rows, then: _Rows, parts: list[_Part]
 ) -> tuple[Shares, np.ndarray]:
-    """Mean shares of one body in the wanted cells (n,) where it is now or then, and of their volumes (m,)."""
+    """Mean shares of one body in the wanted cells (n,) where it is now or then, and of their volumes (m,) now."""
     faces = []
     for rows, part in zip((now, then), parts, strict=True):
         faces.append(np.empty((len(rows.at), 7)))

@@ -16,6 +16,11 @@ sum of r x a = sum over faces of S area h (n x n) = 0.
 The pressure of the centre is not that of the wall. In liquid at rest the rest is known (observe/loads.py):
 
     lift = rho g volume ((S upper + S lower) / 2 - covered share)
+
+The sums over p a and over the first part of the lift cancel, so that the covered share alone says how much water a body
+displaces. It is that of the start of the step: position and velocity then take turns (symplectic Euler), and a floating
+body swings without damping; with that of the middle of the step a body on waves of frequency omega would lose
+omega2 dt / 4 of its amplitude in a unit of time.
 """
 
 from __future__ import annotations
@@ -40,7 +45,7 @@ class BodyFluxes(NamedTuple):
 def body_fluxes(
     shares: Shares, covered: np.ndarray, grid: Grid, centres: list[np.ndarray], place: np.ndarray
 ) -> BodyFluxes:
-    """The fluxes of a body: shares of its cells (m, 3), covered (m,) of their volumes; place (3,) [length]: B.
+    """The fluxes of a body: mean shares of its cells (m, 3), covered (m,) of their volumes now; place (3,) [length]: B.
 
     centres: of cells, (n + 4,) for each direction.
     """

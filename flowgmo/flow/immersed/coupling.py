@@ -20,23 +20,24 @@ from flowgmo.flow.immersed.body_fluxes import BodyFluxes
 
 
 class Coupling:
-    """fluxes: of each coupled body, in its liquid cells only; inverse_mass (b, 6, 6); rho of the liquid."""
+    """fluxes: of each of n coupled bodies, in cells of the equation only; inverse_mass (6 n, 6 n); rho [liquid]."""
 
     def __init__(self, fluxes: Sequence[BodyFluxes], inverse_mass: np.ndarray, rho: float) -> None:
         self.fluxes, self.inverse_mass = fluxes, rho * inverse_mass
 
-    def velocities(self, q: np.ndarray) -> np.ndarray:
-        """(b, 6): the change of each body's velocity and spin that q [length2/time] in cells makes."""
+    def loads(self, q: np.ndarray) -> np.ndarray:
+        """(6 n,): J^T q, the load of q [length2/time] in cells on the bodies, per density."""
         flat = q.reshape(-1)
-        loads = [J.T @ flat[cells] for cells, J, _ in self.fluxes]
-        return np.array([m @ load for m, load in zip(self.inverse_mass, loads, strict=True)]).reshape(-1, 6)
+        return np.concatenate([J.T @ flat[cells] for cells, J, _ in self.fluxes])
+
+    def velocities(self, q: np.ndarray) -> np.ndarray:
+        """(6 n,): the change of the bodies' velocities and spins that q makes."""
+        return self.inverse_mass @ self.loads(q)
 
     def add(self, x: np.ndarray, sign: float, out: np.ndarray) -> float:
         """out += sign (sum of rho J M^-1 J^T) x; returns x . that sum x."""
-        flat, into, power = x.reshape(-1), out.reshape(-1), 0.0
-        for (cells, J, _), m in zip(self.fluxes, self.inverse_mass, strict=True):
-            load = J.T @ flat[cells]
-            U = m @ load
-            into[cells] += sign * (J @ U)
-            power += float(load @ U)
-        return power
+        loads = self.loads(x)
+        U, into = self.inverse_mass @ loads, out.reshape(-1)
+        for n, (cells, J, _) in enumerate(self.fluxes):
+            into[cells] += sign * (J @ U[6 * n : 6 * n + 6])
+        return float(loads @ U)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -50,7 +51,19 @@ HALF = 0.1  # F below it: the centre is dry, also in cells that a solid cuts, wh
 MOST_SOLUTIONS = (
     20  # for the voids; 4 at most in boxes of 1200 cells. What is not shut by then overfills, and is pushed out later
 )
-Couple = Callable[[np.ndarray, np.ndarray], Coupling]
+
+
+class Couple(Protocol):
+    """Bodies that the pressure moves, during one projection."""
+
+    def begin(self, diagonal: np.ndarray, right: np.ndarray) -> Coupling:
+        """As they are coupled to the cells of the equation (diagonal > 0); takes what they push from `right`."""
+
+    def contacts_changed(self, q: np.ndarray) -> bool:
+        """Whether with this solution other contacts of the bodies press than was assumed, so that it must be found
+        again."""
+
+
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step: all of it at once would swing back
 
 
@@ -265,8 +278,7 @@ class Projector:
 
         before: p of the step before the last one, for the first guess. tolerance: largest share of a cell that its
         faces may miss within dt. `set_surface` was called with this F. source(diagonal, dt, right): what bodies that
-        move push out of cells (immersed.py); couple(diagonal, right): those that the pressure moves, as they are
-        coupled to the cells of the equation (diagonal > 0), and what they push.
+        move push out of cells (immersed.py); couple: those that the pressure moves.
         Returns how it went; on failure velocity and p are as they were.
         """
         run, m, voids = self.team.run, self.matrix, self.voids
@@ -285,7 +297,7 @@ class Projector:
             run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, self.right)
             if source is not None:
                 source(m.diagonal, dt, self.right)
-            coupled = () if couple is None else (couple(m.diagonal, self.right),)
+            coupled = () if couple is None else (couple.begin(m.diagonal, self.right),)
             voids.enter(self.right)
             if self.beta is None:
                 self._balance(velocity, F, dt, tolerance)
@@ -295,7 +307,9 @@ class Projector:
             if not solved.converged:
                 self.ease_gravity(velocity, -dt)
                 return replace(solved, iterations=iterations)
-            again = voids.shut_full(self.q, tolerance / dt, release=release) and self.solves < last
+            again = voids.shut_full(self.q, tolerance / dt, release=release)
+            again |= couple is not None and couple.contacts_changed(self.q)
+            again &= self.solves < last
             release = False
         self.sides.join(self.q)
         self.push(velocity)

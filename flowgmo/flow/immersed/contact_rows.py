@@ -1,0 +1,87 @@
+"""Contacts that bodies keep while the pressure moves them: rows "no approach" beside the pressure equation.
+
+    N U >= 0,   lambda >= 0,   one of them is equal           N (k, 6 bodies): approach of each contact, reversed
+    U = U* + W (rho J^T q + N^T lambda)                       W: inverse masses of the bodies
+
+A stone that the stream presses on the bed must not be projected into it in one step and pushed out by the next. The
+rows that are pressed hold as equations: the bodies then answer the liquid with
+
+    W' = W - W N^T (N W N^T)^+ N W         and start with  U*' = U* - W N^T (N W N^T)^+ N U*
+
+so that the matrix of the pressure stays symmetric. Rows that pull are let go and rows that approach are taken up, and
+the pressure is solved again, until neither happens (Takahashi and Batty 2020, "Monolith"). Contacts that stuck by
+friction have two more rows along the surface as long as their normal row is pressed.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+SMALLEST = 1e-10  # of the largest eigenvalue of N W N^T: rows that say the same
+
+
+class Rows(NamedTuple):
+    """normal (k, 6 n) and, where stuck (k,), tangential rows (k, 2, 6 n) of n bodies; speed (k,), slip (k, 2)
+    [length/time]: what N U must reach, since a partner that is not solved for moves."""
+
+    normal: np.ndarray
+    tangential: np.ndarray
+    stuck: np.ndarray
+    speed: np.ndarray
+    slip: np.ndarray
+
+    def pressed(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rows (m, 6 n) and right-hand sides (m,) of the active contacts (k,) bool."""
+        rub = active & self.stuck
+        size = self.normal.shape[1]
+        rows = np.concatenate([self.normal[active], self.tangential[rub].reshape(-1, size)])
+        return rows, np.concatenate([self.speed[active], self.slip[rub].reshape(-1)])
+
+
+def rows_of_contacts(
+    a: np.ndarray,
+    b: np.ndarray,
+    point: np.ndarray,
+    normal: np.ndarray,
+    stuck: np.ndarray,
+    place: np.ndarray,
+    velocity: np.ndarray,
+    number: np.ndarray,
+    count: int,
+) -> Rows:
+    """Rows of contacts (k,) between parties a and b, normal from b to a; place (p, 3), velocity (p, 6) of the parties;
+    number (p,): of those that are solved for, -1 of others; count: how many these are."""
+    k = len(a)
+    first = np.eye(3)[np.abs(normal).argmin(axis=1)]
+    one = np.cross(normal, first)
+    one /= np.linalg.norm(one, axis=1)[:, None]
+    directions = np.stack([normal, one, np.cross(normal, one)], axis=1)
+    rows, speeds = np.zeros((k, 3, 6 * count)), np.zeros((k, 3))
+    for side, sign in ((a, 1.0), (b, -1.0)):
+        arm = point - place[side]
+        full = sign * np.concatenate([directions, np.cross(arm[:, None], directions)], axis=2)
+        for c in range(k):
+            n = number[side[c]]
+            if n >= 0:
+                rows[c, :, 6 * n : 6 * n + 6] += full[c]
+            else:
+                speeds[c] -= full[c] @ velocity[side[c]]
+    return Rows(rows[:, 0], rows[:, 1:], stuck, speeds[:, 0], speeds[:, 1:])
+
+
+def constrain(
+    inverse_mass: np.ndarray, start: np.ndarray, rows: np.ndarray, speed: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """W' (6 n, 6 n), U*' (6 n,) and (N W N^T)^+ (m, m): lambda = - that (N U - speed), U without the contacts.
+
+    inverse_mass W (6 n, 6 n), start U* (6 n,), rows (m, 6 n) with right-hand sides speed (m,).
+    """
+    if not len(rows):
+        return inverse_mass, start, np.zeros((0, 0))
+    WN = inverse_mass @ rows.T
+    K = rows @ WN
+    inverse = np.linalg.pinv(K, rcond=SMALLEST, hermitian=True)
+    W = inverse_mass - WN @ inverse @ WN.T
+    return 0.5 * (W + W.T), start - WN @ (inverse @ (rows @ start - speed)), inverse
