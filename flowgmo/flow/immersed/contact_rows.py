@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-SMALLEST = 1e-10  # of the largest eigenvalue of N W N^T: rows that say the same
+SMALLEST = 1e-6  # of the largest singular value of N sqrt(W): rows that say the same
 
 
 class Rows(NamedTuple):
@@ -80,8 +80,11 @@ def constrain(
     """
     if not len(rows):
         return inverse_mass, start, np.zeros((0, 0))
-    WN = inverse_mass @ rows.T
-    K = rows @ WN
-    inverse = np.linalg.pinv(K, rcond=SMALLEST, hermitian=True)
-    W = inverse_mass - WN @ inverse @ WN.T
-    return 0.5 * (W + W.T), start - WN @ (inverse @ (rows @ start - speed)), inverse
+    values, vectors = np.linalg.eigh(inverse_mass)
+    L = vectors * np.sqrt(np.maximum(values, 0.0))  # W = L L^T, so that W' cannot be negative by rounding
+    left, size, right = np.linalg.svd(rows @ L, full_matrices=False)
+    kept = size > SMALLEST * size.max(initial=0.0)
+    left, size, right = left[:, kept], size[kept], right[kept]
+    free = L - (L @ right.T) @ right
+    lacking = left.T @ (rows @ start - speed)
+    return free @ free.T, start - L @ (right.T @ (lacking / size)), (left / size**2) @ left.T

@@ -27,6 +27,7 @@ from flowgmo.flow.immersed.fresh import mean_around
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.volume_change import VolumeChange
 
+NARROW = 0.01  # of a face
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step, as in pressure/projection.py
 
 
@@ -57,6 +58,7 @@ class Immersed:
         self.change = VolumeChange(rows, swept.V0, swept.V1, self.open.V)
         volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
         self.growth = (swept.V1 - swept.V0) * volumes
+        self._widen_gaps()
         self._uncover_cells(flow)
         self.beyond = np.zeros(len(swept.V0))
         if flow.F is not None:
@@ -68,6 +70,19 @@ class Immersed:
             for shares, covered, place in zip(swept.shares, swept.covered, places, strict=True):
                 self.fluxes.append(body_fluxes(shares, covered, self.grid, self.centres, place))
         self.renew()
+
+    def _widen_gaps(self) -> None:
+        """Open faces beside the bodies are open by NARROW at least: gaps between a body and what it rests on.
+
+        In a gap of a millionth of a cell the pressure would be what the solver's tolerance leaves over, divided by the
+        gap: jets, and blows on the body. So wide, the pressure around the body reaches it.
+        """
+        for d, A in enumerate(self.open[1:]):
+            for lower in (0, 1):
+                at = self.cells.astype(np.intp)
+                at[:, d] -= lower
+                at = tuple(at.T)
+                A[at] = np.where((A[at] > 0.0) & (A[at] < NARROW), NARROW, A[at])
 
     def _uncover_cells(self, flow: Flow) -> None:
         """F of cells that were closed: of what is around them."""
