@@ -16,6 +16,7 @@ from flowgmo.flow.liquid import DUST, Liquid, default_threads
 from flowgmo.flow.observe.measures import total
 from flowgmo.flow.stages import settle_pressure
 from flowgmo.flow.surface.initial_liquid import Region, initial_liquid
+from flowgmo.flow.surface.level_at_start import fit_level
 from flowgmo.mesh import PERIODIC
 from flowgmo.model import Model
 
@@ -115,6 +116,16 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
 
 def _liquid_at_start(liquid: Liquid, model: Model) -> np.ndarray:
     """F at t = 0. Raises FlowgmoError where the volume asked for is more than the solids leave open."""
+    start = model.fluid.start
+    F = _filled(liquid, model, start.regions)
+    if start.height is not None:
+        before = _filled(liquid, model, ()) if start.regions else F
+        cells = np.argwhere(F == before)  # no region has a say there
+        fit_level(model.mesh.blocks[0].planes, liquid.openings, start.height, cells, F)
+    return F
+
+
+def _filled(liquid: Liquid, model: Model, regions: tuple) -> np.ndarray:
     (block,) = model.mesh.blocks
     start = model.fluid.start
     try:
@@ -122,7 +133,7 @@ def _liquid_at_start(liquid: Liquid, model: Model) -> np.ndarray:
             block,
             liquid.openings,
             [body.shape for body in model.bodies],
-            [Region(region.shape, region.adds, region.fraction) for region in start.regions],
+            [Region(region.shape, region.adds, region.fraction) for region in regions],
             start.height,
             start.volume,
             tuple(model.gravity) if np.any(model.gravity) else (0.0, 0.0, -1.0),

@@ -1,7 +1,7 @@
 """All cells near solids, cut: batch by batch, so that the distances at nodes never lie in memory all at once.
 
 Two passes. The first cuts every cell. The second visits cells that a thin wall divides, for which the faces depend on
-what both their cells keep.
+what both their cells keep: nodes where walls are curved (thin_walls.py), parts where they are planes (solid_shares.py).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from flowgmo.flow.favor.cell_parts import cut_cells
 from flowgmo.flow.favor.cell_shares import Near, gather, part_of
 from flowgmo.flow.favor.near_surface import Distance, Shape, node_distances, pairs_of
 from flowgmo.flow.favor.sheets import is_plain
-from flowgmo.flow.favor.solid_shares import largest_pocket, solid_shares
+from flowgmo.flow.favor.solid_shares import in_both, largest_pocket, pocket_faces, solid_shares
 from flowgmo.flow.favor.thin_walls import close_divided_faces, crossed_edges, cut_off_nodes, rejoin
 from flowgmo.mesh import Block
 
@@ -73,6 +73,9 @@ def cut_pairs(
     divided = np.flatnonzero(removed)
     parts = [divided[a : a + BATCH] for a in range(0, len(divided), BATCH)]
     lost = sum(_divide(block, distances, cut, removed, whole, part, pieces) for part in parts)
+    if shapes is not None:
+        for part in parts:
+            _open_pockets(block, shapes, cut, removed, part, pieces)
     _agree(block, cut, len(distances))
     return cut._replace(divided=len(divided), lost=float(lost))
 
@@ -100,7 +103,7 @@ def _cut_edges(
     cut.opened[cells[one]] = opened[one]
     if not one.all():
         divided = np.flatnonzero(~one)
-        kept, _ = largest_pocket(block, shapes, part_of(near, divided), removed[divided], pieces)
+        kept = largest_pocket(block, shapes, part_of(near, divided), removed[divided], pieces).volume
         known = ~np.isnan(kept)
         cut.opened[cells[divided[known]], 6] = kept[known]
         whole[cells[divided]] = opened[divided, 6]
@@ -128,7 +131,7 @@ def _rejoin_at_edges(
     chosen, _, near = _at_edges(block, shapes, cut, cells, pieces)
     if near is not None:
         cells = cells[chosen]
-        removed[cells[largest_pocket(block, shapes, near, removed[cells], pieces)[1]]] = 0
+        removed[cells[largest_pocket(block, shapes, near, removed[cells], pieces).whole]] = 0
 
 
 def _agree(block: Block, cut: CutPairs, shapes: int) -> None:
@@ -196,14 +199,49 @@ def _divide(
     return float(((before - opened[:, 6]) * cell_volumes(block)[tuple(cells.T)]).sum())
 
 
-def _across(block: Block, cut: CutPairs, removed: np.ndarray, cells: np.ndarray, face: int) -> np.ndarray:
-    """Removed nodes (n,) of the neighbours across one face of cells (n, 3); none beyond the domain."""
+def _open_pockets(
+    block: Block, shapes: Sequence[Shape], cut: CutPairs, removed: np.ndarray, divided: np.ndarray, pieces: int
+) -> None:
+    """Faces of the cells numbered `divided` in cut, where planes divide them: what the pockets of both cells have.
+
+    Cells beside them are looked at too: a corner of one in which no node lies may be behind the wall.
+    """
+    beside = [_beside(block, cut, cut.cells[divided], face) for face in range(6)]
+    every = np.unique(np.concatenate([divided, *beside]))
+    every = every[every >= 0]
+    chosen, _, near = _at_edges(block, shapes, cut, every, pieces)
+    if near is None:
+        return
+    cells = every[chosen]
+    pockets = largest_pocket(block, shapes, near, removed[cells], pieces)
+    parts = pocket_faces(block, shapes, near, pockets, pieces)
+    known = {int(c): n for n, c in enumerate(cells) if not np.isnan(pockets.volume[n])}
+    for row, c in enumerate(divided):
+        if int(c) not in known:
+            continue
+        for face, own in enumerate(parts[known[int(c)]]):
+            other = int(beside[face][row])
+            if other in known:
+                cut.opened[c, face] = in_both(own, parts[known[other]][face + 1 - 2 * (face % 2)])
+            elif other < 0 or removed[other] == 0:  # there the whole face is one with the cell behind it
+                cut.opened[c, face] = in_both(own, own)
+
+
+def _beside(block: Block, cut: CutPairs, cells: np.ndarray, face: int) -> np.ndarray:
+    """Numbers (n,) in cut of the neighbours across one face of cells (n, 3); -1 where nothing is near, or beyond the
+    domain."""
     there = cells.astype(np.int64)
     there[:, face // 2] += 2 * (face % 2) - 1
     inside = ((there >= 0) & (there < block.shape)).all(axis=1)
     number = np.ravel_multi_index(np.where(inside[:, None], there, 0).T, block.shape)
     at = np.minimum(np.searchsorted(cut.numbers, number), len(cut.numbers) - 1)
-    return np.where(inside & (cut.numbers[at] == number), removed[at], 0)
+    return np.where(inside & (cut.numbers[at] == number), at, -1)
+
+
+def _across(block: Block, cut: CutPairs, removed: np.ndarray, cells: np.ndarray, face: int) -> np.ndarray:
+    """Removed nodes (n,) of the neighbours across one face of cells (n, 3); none beyond the domain."""
+    at = _beside(block, cut, cells, face)
+    return np.where(at >= 0, removed[at], 0)
 
 
 def cell_volumes(block: Block) -> np.ndarray:

@@ -287,8 +287,9 @@ class Projector:
         self.q[own] = p[own] * (dt / self.rho)
         self.sides.fill_pressure(self.q, dt, velocity)
         guess = self.beta is not None or not self.sealed.may_be_full(cells_in(m.columns))
+        out = voids.outflow(velocity)  # a lid holds its void at the distance of its plane: not eased
         self.ease_gravity(velocity, dt)
-        voids.begin(velocity, m.b, F, self.q, self.wet, dt, guess)
+        voids.begin(out, velocity, m.b, F, self.q, self.wet, dt, guess)
         if before is not None:
             run(foresee, m.faces, p, before, dt / self.rho, self.wet, self.q)
         iterations, again, release, last = 0, True, guess, self.solves + MOST_SOLUTIONS

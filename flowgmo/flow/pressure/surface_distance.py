@@ -16,7 +16,8 @@ import math
 
 from flowgmo.flow.pressure.lids import may_have_lid
 from flowgmo.flow.pressure.pockets import POCKET
-from flowgmo.flow.surface.plic import FULL, crossing, is_mixed
+from flowgmo.flow.surface.cut_level import holds_below
+from flowgmo.flow.surface.plic import FULL, crossing, is_mixed, is_plane
 from flowgmo.flow.surface.surface_normals import near_solids, plane_of_cell
 from flowgmo.kernel import flow_kernel, inner
 
@@ -49,7 +50,7 @@ def mark_liquid(columns, first, last, F, V, opened, steps, closed, wet, lids):
                 elif F is not None:
                     if DRY < F[i, j, k] < WET and near_solids(V, i, j, k):
                         m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
-                        if m[0] != 0.0 or m[1] != 0.0 or m[2] != 0.0:
+                        if is_plane(m):
                             size = abs(m[0]) + abs(m[1]) + abs(m[2])
                             liquid = 0.5 * (m[0] + m[1] + m[2]) + NEAREST * size <= alpha
             wet[i, j, k] = 1 if liquid else 0
@@ -64,38 +65,84 @@ def mark_liquid(columns, first, last, F, V, opened, steps, closed, wet, lids):
 
 
 @inner
-def _met(F, V, opened, steps, i, j, k, d, sign):
-    """Distance [cell widths] from the centre of (i, j, k) to its plane along sign * axis d; inf without one."""
+def _plane(F, V, opened, steps, i, j, k):
+    """(m, alpha) of the surface in a cell, m = 0 without one."""
     if not is_mixed(F[i, j, k]):
-        return math.inf
-    m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
-    return sign * crossing(m, alpha, d)
+        return (0.0, 0.0, 0.0), 0.0
+    return plane_of_cell(F, V, opened, steps, i, j, k)
 
 
 @inner
-def _near_centre(F, V, opened, steps, i, j, k):
+def _size(m):
+    return abs(m[0]) + abs(m[1]) + abs(m[2])
+
+
+@inner
+def _crossing(m, alpha, d):
+    """crossing(m, alpha, d), inf without a plane, and where it runs along d: round-off would say where it is met."""
+    return crossing(m, alpha, d) if abs(m[d]) > NEAREST * _size(m) else math.inf
+
+
+@inner
+def _near_centre(m, alpha):
     """Whether a cell's plane passes its centre as near as cells beside it may be dry by round-off."""
-    if not is_mixed(F[i, j, k]):
+    return is_plane(m) and abs(0.5 * (m[0] + m[1] + m[2]) - alpha) <= 3.0 * NEAREST * _size(m)
+
+
+@inner
+def _longest(m):
+    """The axis along which a plane's vector is longest."""
+    return 2 if abs(m[2]) >= max(abs(m[0]), abs(m[1])) else (1 if abs(m[1]) >= abs(m[0]) else 0)
+
+
+@inner
+def _one_level(m, alpha, n, beta, d):
+    """Whether two planes are one, along the line of direction d through both centres, as far as NEAREST tells."""
+    a = _longest(m)
+    if a == d or m[a] * n[a] <= 0.0:
         return False
-    m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
-    size = abs(m[0]) + abs(m[1]) + abs(m[2])
-    return size > 0.0 and abs(0.5 * (m[0] + m[1] + m[2]) - alpha) <= 3.0 * NEAREST * size
+    tilt = max(abs(m[d] / m[a]), abs(n[d] / n[a]))
+    return max(tilt, abs(crossing(m, alpha, a) - crossing(n, beta, a))) <= 3.0 * NEAREST
+
+
+@inner
+def _goes_on(m, alpha, d, F, V, opened, i, j, k):
+    """Whether a plane that runs along d may go on in the cell (i, j, k), which a solid cuts, where no liquid or no void
+    is left for it to be seen: the cell is open on one side of it only."""
+    if V is not None:
+        if 0.0 < V[i, j, k] < 1.0 and is_plane(m):
+            a = _longest(m)
+            if a != d and abs(m[d]) <= 3.0 * NEAREST * abs(m[a]):
+                up = 1.0 if m[a] > 0.0 else -1.0
+                level = min(max(0.5 + up * crossing(m, alpha, a), 0.0), 1.0)
+                held = holds_below(opened, i, j, k, a, level, up)
+                return abs(held - V[i, j, k] * F[i, j, k]) <= 3.0 * NEAREST * V[i, j, k]
+    return False
 
 
 @inner
 def wet_share(F, V, opened, steps, own, other, d, sign, own_wide, other_wide):
     """Share of the distance of two centres that is wet: own (i, j, k) is liquid, other beyond sign * d is not.
 
-    inf where the plane runs along the line through the own centre: other is as good as liquid, nothing drives it.
+    inf where the plane runs along the line: through the own centre, or from cell to cell, and only how a solid cuts
+    them makes one wet and one dry. Other is then as good as liquid, nothing drives it.
     """
     h = 0.5 * (own_wide + other_wide)
-    near = _met(F, V, opened, steps, own[0], own[1], own[2], d, sign)
-    if -NEAREST <= near <= 0.5:  # a plane through the very centre, where F = 1/2, may round to either side of it
+    m, alpha = _plane(F, V, opened, steps, own[0], own[1], own[2])
+    near = sign * _crossing(m, alpha, d)
+    # a plane through the very centre, where F = 1/2, may round to either side of it; one in the face to the other cell
+    # may be void that the pressure's tolerance has left in a full cell: then the other cell knows better
+    if -NEAREST <= near <= 0.5 - NEAREST:
         return max(near * own_wide / h, NEAREST)
-    far = _met(F, V, opened, steps, other[0], other[1], other[2], d, -sign)
+    n, beta = _plane(F, V, opened, steps, other[0], other[1], other[2])
+    far = -sign * _crossing(n, beta, d)
     if -2.0 * NEAREST <= far <= 0.5:  # the centre of a dry cell may lie as deep as that
         return max((h - far * other_wide) / h, NEAREST)
-    if _near_centre(F, V, opened, steps, own[0], own[1], own[2]):
+    if _near_centre(m, alpha) or _one_level(m, alpha, n, beta, d):
+        return math.inf
+    if not is_plane(n) and _goes_on(m, alpha, d, F, V, opened, other[0], other[1], other[2]):
+        return math.inf
+    if not is_plane(m) and _goes_on(n, beta, d, F, V, opened, own[0], own[1], own[2]):
         return math.inf
     # planes that do not meet the line say little: what both cells hold, as if the surface lay across it
     filled = F[own[0], own[1], own[2]] * own_wide + F[other[0], other[1], other[2]] * other_wide

@@ -49,10 +49,25 @@ class Voids:
             d[k] for d, k in zip(self.grid[:3], self.pockets.T, strict=True)
         ], axis=0)])  # fmt: skip
 
+    def outflow(self, velocity: list) -> np.ndarray:
+        """(lids,) [length3/time]: what predicted velocities let out through the planes."""
+        return outflow(self.lids, velocity)
+
     def begin(
-        self, velocity: list, b: tuple, F: np.ndarray | None, q: np.ndarray, wet: np.ndarray, dt: float, guess: bool
+        self,
+        out: np.ndarray,
+        velocity: list,
+        b: tuple,
+        F: np.ndarray | None,
+        q: np.ndarray,
+        wet: np.ndarray,
+        dt: float,
+        guess: bool,
     ) -> None:
-        """Take the predicted velocities. All voids are open, or, guess, as the first guess q of the pressure has it."""
+        """Take the predicted velocities, and what goes out of lids by them.
+
+        All voids are open, or, guess, as the first guess q of the pressure has it.
+        """
         self.known = velocity, b, F, dt
         self.wet, n = wet, len(self.lids.cells)
         own = tuple(self.pockets.T)
@@ -60,7 +75,7 @@ class Voids:
         q[own] *= pressed
         wet[own] = pressed
         self.shut = np.zeros(n + len(self.pockets), bool)
-        self.predicted = outflow(self.lids, velocity)
+        self.predicted = out
         self._look(q)
         if guess:
             self.shut[:n] = self.flow[:n] > self.most[:n]

@@ -9,24 +9,26 @@ s . xi <= beta with
 
 and beta from V (plic.plane_offset): exact where the solid's surface is a plane in the cell. Below the level h lies a
 box cut by a plane, whose volume is known in closed form (plic.volume_under), so that h is the root of a cubic, found
-by Newton inside a bracket. Heights of columns are sums of levels: where the surface is level, all are the same to
-round-off, their slopes are zero, and the plane is level.
+by Newton inside a bracket.
 
-A column says nothing, and is left out (the slope is then one-sided, or zero), where
-    its middle cell is closed;
+Heights of columns are sums of levels: where the surface is level, all are the same to round-off, their slopes are zero,
+and the plane is level. A column says nothing, and is left out (the slope is then one-sided, or zero), where
+    its middle cell is closed, or no open face leads to it, as behind a thin wall;
     it is dry and its lowest open cell is cut: the surface has met the solid before it (a beach), or
-    full and its highest open cell is cut (under a slanting ceiling).
-A closed cell below the surface counts as full, above it as empty: it is the same for all columns.
+    full and its highest open cell is cut (under a slanting ceiling);
+    the surface is hidden between a full cell and an empty one.
+What is closed, or behind a closed face of the column, counts as full below the surface and as empty above it: it is the
+same for all columns. An image beyond a side has the level of its cell.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.flow.surface.plic import EMPTY, FULL, is_mixed, plane_offset, stretched, volume_under
+from flowgmo.flow.fields import G
+from flowgmo.flow.surface.cut_level import has_plane, level_of_cell, open_above, open_in_slab, reaches, solid_plane
+from flowgmo.flow.surface.plic import EMPTY, FULL, plane_offset, stretched, volume_under
 from flowgmo.kernel import inner
-
-ROOT_STEPS = 60  # Newton in a bracket ends after 3 to 7 (measured), bisection alone after 52
 
 #: share of the largest rise: along an axis with less the surface has slopes of hundreds. Where columns say nothing
 #: their slope is 0, and round-off in place of a rise would stand level water upright
@@ -34,74 +36,20 @@ FAINT = 1e-3
 
 
 @inner
-def solid_plane(opened, i, j, k):
-    """(s, beta): the open part of cell (i, j, k) is s . xi <= beta, xi in 0 .. 1. s = 0: no plane, evenly porous."""
-    s = (
-        opened.Ax[i - 1, j, k] - opened.Ax[i, j, k],
-        opened.Ay[i, j - 1, k] - opened.Ay[i, j, k],
-        opened.Az[i, j, k - 1] - opened.Az[i, j, k],
-    )
-    return s, plane_offset(s, opened.V[i, j, k])
+def _hidden(F, opened, d, i, j, k, e, f, g, up):
+    """Whether the surface lies in the solid between a full cell (i, j, k) and an empty one (e, f, g) next to it."""
+    if F[i, j, k] < FULL or F[e, f, g] > EMPTY:
+        return False
+    dry_end = 0.0 if up > 0.0 else 1.0
+    return not (reaches(opened, i, j, k, d, 1.0 - dry_end) and reaches(opened, e, f, g, d, dry_end))
 
 
 @inner
-def _has_plane(s):
-    return abs(s[0]) + abs(s[1]) + abs(s[2]) > 0.0
-
-
-@inner
-def open_in_slab(s, beta, d, low, high):
-    """Open volume of low < xi_d < high in shares of the cell: how much liquid it holds when that part is under water.
-
-    The initial surface, if level, is still to round-off when V F of a cut cell is this of 0 .. level.
-    """
-    return (high - low) * volume_under(stretched(s, d, high - low), beta - s[d] * low)
-
-
-@inner
-def level_in_cut_cell(s, beta, V, F, d, up):
-    """Share h of the cell, from below (up = 1) or from above (up = -1), that is under water along axis d.
-
-    The volume V F [of the cell] lies in the open part between the wet side and h.
-    """
-    if F <= EMPTY:
-        return 0.0
-    if F >= FULL:
-        return 1.0
-    if up < 0.0:  # the mirrored cell
-        beta -= s[d]
-        s = stretched(s, d, -1.0)
-    beyond = stretched(s, d, 0.0)
-    target, low, high, h = V * F, 0.0, 1.0, F
-    for _ in range(ROOT_STEPS):
-        missing = target - h * volume_under(stretched(s, d, h), beta)
-        if missing > 0.0:
-            low = h
-        else:
-            high = h
-        area = volume_under(beyond, beta - s[d] * h)  # of the open cross-section at h: the derivative
-        step = missing / area if area > 0.0 else 2.0
-        new = h + step
-        if not (new >= low and new <= high):
-            new = 0.5 * (low + high)
-        done = abs(new - h) <= 1e-15  # of a cell: round-off
-        h = new
-        if done:
-            break
-    return h
-
-
-@inner
-def _level(F, opened, i, j, k, d, up, closed):
-    """Level in any cell: F where it is wholly open, `closed` where it is closed."""
-    V, f = opened.V[i, j, k], F[i, j, k]
-    if V <= 0.0:
-        return closed
-    if V < 1.0 and is_mixed(f):
-        s, beta = solid_plane(opened, i, j, k)
-        if _has_plane(s):
-            return level_in_cut_cell(s, beta, V, f, d, up)
-    return f
+def _is_image(F, d, i, j, k, e, f, g):
+    """Whether the cell (e, f, g) next to (i, j, k) along d is its mirror image beyond a side."""
+    n = e if d == 0 else (f if d == 1 else g)
+    outside = n < G or n >= F.shape[d] - G
+    return outside and F[e, f, g] == F[i, j, k]
 
 
 @inner
@@ -112,37 +60,61 @@ def _height_at(F, opened, steps, i, j, k, d, up):
         return False, 0.0
     a = np.int64(up)
     di, dj, dk = (a if d == 0 else 0), (a if d == 1 else 0), (a if d == 2 else 0)
-    V_wet, V_dry = V[i - di, j - dj, k - dk], V[i + di, j + dj, k + dk]
-    F_wet, F_dry = F[i - di, j - dj, k - dk], F[i + di, j + dj, k + dk]
+    e, f, g = i - di, j - dj, k - dk
+    x, y, z = i + di, j + dj, k + dk
+    through_wet = open_above(opened, d, e, f, g) if up > 0.0 else open_above(opened, d, i, j, k)
+    through_dry = open_above(opened, d, i, j, k) if up > 0.0 else open_above(opened, d, x, y, z)
+    image_wet, image_dry = _is_image(F, d, i, j, k, e, f, g), _is_image(F, d, i, j, k, x, y, z)
+    V_wet = V[e, f, g] if through_wet > 0.0 or image_wet else 0.0
+    V_dry = V[x, y, z] if through_dry > 0.0 or image_dry else 0.0
     lowest = V_wet if V_wet > 0.0 else V[i, j, k]
     highest = V_dry if V_dry > 0.0 else V[i, j, k]
     middle = F[i, j, k]
-    dry = middle <= EMPTY and (V_wet <= 0.0 or F_wet <= EMPTY) and (V_dry <= 0.0 or F_dry <= EMPTY)
-    full = middle >= FULL and (V_wet <= 0.0 or F_wet >= FULL) and (V_dry <= 0.0 or F_dry >= FULL)
+    dry = middle <= EMPTY and (V_wet <= 0.0 or F[e, f, g] <= EMPTY) and (V_dry <= 0.0 or F[x, y, z] <= EMPTY)
+    full = middle >= FULL and (V_wet <= 0.0 or F[e, f, g] >= FULL) and (V_dry <= 0.0 or F[x, y, z] >= FULL)
     if (dry and lowest < 1.0) or (full and highest < 1.0):
+        return False, 0.0
+    if V_wet > 0.0 and _hidden(F, opened, d, e, f, g, i, j, k, up):
+        return False, 0.0
+    if V_dry > 0.0 and _hidden(F, opened, d, i, j, k, x, y, z, up):
         return False, 0.0
     n = i if d == 0 else (j if d == 1 else k)
     t = steps.x if d == 0 else (steps.y if d == 1 else steps.z)
-    wet = _level(F, opened, i - di, j - dj, k - dk, d, up, 1.0) * (t[3, n] if up > 0.0 else t[2, n])
-    air = _level(F, opened, i + di, j + dj, k + dk, d, up, 0.0) * (t[2, n] if up > 0.0 else t[3, n])
-    return True, _level(F, opened, i, j, k, d, up, 0.0) + (wet + air)
+    own = level_of_cell(middle, opened, i, j, k, d, up)
+    wet, air = 1.0, 0.0
+    if V_wet > 0.0:  # an image has its cell's level: the solid in it is mirrored, and would say another
+        wet = own if image_wet else level_of_cell(F[e, f, g], opened, e, f, g, d, up)
+    if V_dry > 0.0:
+        air = own if image_dry else level_of_cell(F[x, y, z], opened, x, y, z, d, up)
+    wet *= t[3, n] if up > 0.0 else t[2, n]
+    air *= t[2, n] if up > 0.0 else t[3, n]
+    return True, own + (wet + air)
 
 
 @inner
 def _slope(F, opened, steps, i, j, k, d, up, e, here):
-    """Slope of the height along d in direction e, from those of the two neighbouring columns that say something."""
-    di, dj, dk = (1 if e == 0 else 0), (1 if e == 1 else 0), (1 if e == 2 else 0)
+    """(known, slope) of the height along d in direction e, from those of the neighbouring columns that say something.
+
+    What no open face leads to belongs to other liquid, as behind a thin wall. An image has no slope and is not known.
+    """
+    di, dj, dk = np.int64(e == 0), np.int64(e == 1), np.int64(e == 2)
     n = i if e == 0 else (j if e == 1 else k)
     t = steps.x if e == 0 else (steps.y if e == 1 else steps.z)
-    below, low = _height_at(F, opened, steps, i - di, j - dj, k - dk, d, up)
-    above, high = _height_at(F, opened, steps, i + di, j + dj, k + dk, d, up)
+    below, low, above, high = False, 0.0, False, 0.0
+    if open_above(opened, e, i - di, j - dj, k - dk) > 0.0:
+        below, low = _height_at(F, opened, steps, i - di, j - dj, k - dk, d, up)
+    if open_above(opened, e, i, j, k) > 0.0:
+        above, high = _height_at(F, opened, steps, i + di, j + dj, k + dk, d, up)
+    told = (below and not _is_image(F, e, i, j, k, i - di, j - dj, k - dk)) or (
+        above and not _is_image(F, e, i, j, k, i + di, j + dj, k + dk)
+    )
     if below and above:
-        return t[0, n] * (high - here) - t[1, n] * (low - here)
+        return told, t[0, n] * (high - here) - t[1, n] * (low - here)
     if above:
-        return (high - here) / (0.5 + 0.5 * t[2, n])
+        return told, (high - here) / (0.5 + 0.5 * t[2, n])
     if below:
-        return (here - low) / (0.5 + 0.5 * t[3, n])
-    return 0.0
+        return told, (here - low) / (0.5 + 0.5 * t[3, n])
+    return False, 0.0
 
 
 @inner
@@ -187,20 +159,21 @@ def plane_at_solids(F, opened, steps, i, j, k):
         if abs(rise) <= least:
             continue
         side = 1.0 if rise < 0.0 else -1.0
-        here = _height_at(F, opened, steps, i, j, k, d, side)[1]
         e, f = (d + 1) % 3, (d + 2) % 3
-        slope_e = _slope(F, opened, steps, i, j, k, d, side, e, here)
-        slope_f = _slope(F, opened, steps, i, j, k, d, side, f, here)
-        if abs(slope_e) + abs(slope_f) < best:
-            best, axis, up, best_e, best_f = abs(slope_e) + abs(slope_f), d, side, slope_e, slope_f
+        here = _height_at(F, opened, steps, i, j, k, d, side)[1]
+        known_e, slope_e = _slope(F, opened, steps, i, j, k, d, side, e, here)
+        known_f, slope_f = _slope(F, opened, steps, i, j, k, d, side, f, here)
+        like_e, like_f = abs(rises[e] / rise), abs(rises[f] / rise)  # as F falls: where no column says anything, and
+        tilt = abs(slope_e) + FAINT * like_e if known_e else like_e  # where two axes seem to have no slope
+        tilt += abs(slope_f) + FAINT * like_f if known_f else like_f
+        if tilt < best:
+            best, axis, up, best_e, best_f = tilt, d, side, slope_e, slope_f
     if axis < 0:
         return (0.0, 0.0, 0.0), 0.0
     m = _vector(axis, up, -best_e, -best_f)
-    s, beta = solid_plane(opened, i, j, k)
-    V = opened.V[i, j, k]
-    if V >= 1.0 or not _has_plane(s):
+    if opened.V[i, j, k] >= 1.0:
         return m, plane_offset(m, F[i, j, k])
-    level = level_in_cut_cell(s, beta, V, F[i, j, k], axis, up)
+    level = level_of_cell(F[i, j, k], opened, i, j, k, axis, up)
     return m, 0.5 * (m[0] + m[1] + m[2]) + (level - 0.5)
 
 
@@ -221,7 +194,7 @@ def share_in_cut_cell(m, alpha, opened, i, j, k, F, d, low, high):
     The surface is taken as level across the slab, at its height in the slab's middle: exact for level water.
     """
     s, beta = solid_plane(opened, i, j, k)
-    if not _has_plane(s):
+    if not has_plane(s):
         return volume_under(stretched(m, d, high - low), alpha - m[d] * low)
     room = open_in_slab(s, beta, d, low, high)
     axis = 2 if abs(m[2]) >= max(abs(m[0]), abs(m[1])) else (1 if abs(m[1]) >= abs(m[0]) else 0)

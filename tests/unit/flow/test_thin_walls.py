@@ -12,7 +12,9 @@ if HELPERS not in sys.path:
 
 from flow_solids import ball, box, connected, graded_block, middles  # noqa: E402
 
+from flowgmo.flow.favor.cut_pairs import cut_pairs  # noqa: E402
 from flowgmo.flow.favor.fractions import open_fractions  # noqa: E402
+from flowgmo.flow.favor.near_surface import near_cells  # noqa: E402
 from flowgmo.flow.favor.shares import wall_areas  # noqa: E402
 from flowgmo.flow.fields import grid_of  # noqa: E402
 from flowgmo.geometry import Component, Limits, Piece, Transform  # noqa: E402
@@ -90,3 +92,39 @@ def test_every_open_cell_and_face_is_still_whole():
         np.testing.assert_allclose(A[at] + s.faces[:, 2 * axis + 1], 1.0, atol=1e-15)
         np.testing.assert_allclose(np.roll(A, 1, axis)[at] + s.faces[:, 2 * axis], 1.0, atol=1e-15)
     assert ((V >= 0) & (V <= 1)).all()
+
+
+def test_a_face_of_two_pockets_is_one_share():
+    """A slanting plate: a divided cell and its neighbour leave the same of their face open, 1e-14, though each keeps
+    its own side; closed where they keep opposite sides, and no more than the plate itself leaves anywhere."""
+    plate, block = box((3, 3, 0.15 * CELL), (0.5, 0.51, 0.49), (20, 30, 0)), graded_block(12)
+    near = near_cells(plate.distance, block.planes, plate.bounds())
+    cut = cut_pairs(block, [plate.distance], [near.cells], 2, shapes=[plate])
+    bare = cut_pairs(block, [plate.distance], [near.cells], 2, thin=False, shapes=[plate])
+    assert cut.divided > 50
+    assert (cut.opened <= bare.opened + 1e-12).all()
+    at = {tuple(cell): row for row, cell in enumerate(cut.cells.tolist())}
+    divided = cut.opened[:, 6] < bare.opened[:, 6] - 1e-9
+    shares = []
+    for cell, row in at.items():
+        for axis in range(3):
+            other = at.get(tuple(x + (a == axis) for a, x in enumerate(cell)), row)
+            if divided[row] and divided[other] and other != row:
+                shares.append((cut.opened[row, 2 * axis + 1], cut.opened[other, 2 * axis]))
+    one, two = np.array(shares).T
+    assert len(one) > 50
+    np.testing.assert_allclose(one, two, atol=1e-14)
+    assert (one == 0.0).any()
+    assert ((one > 0.0) & (one < 1.0)).any()
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (0, 0, 30), (20, 30, 40), (-50, 70, 10)])
+def test_two_boxes_that_touch_are_one(turn):
+    """No notch where they meet, within cells: V and A of both are those of the whole box, 6e-15."""
+    block, at = graded_block(12), np.array([0.47, 0.53, 0.51])
+    whole = box((0.3, 0.2, 0.15), at, turn)
+    along = whole.solids[0].R[:, 0]
+    for cut in (-0.11, 0.0, 0.043):
+        parts = [box(((0.3 - s * cut) / 2, 0.2, 0.15), at + along * (cut + s * 0.3) / 2, turn) for s in (1, -1)]
+        for one, two in zip(open_fractions(block, [whole]).open, open_fractions(block, parts).open, strict=True):
+            np.testing.assert_allclose(two, one, atol=1e-13)
