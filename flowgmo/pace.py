@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flowgmo.errors import StepFailed, StepTooLong
+from flowgmo.flow_plan import MOST_COURANT
 from flowgmo.model import Model
 from flowgmo.state import State
 
 if TYPE_CHECKING:
+    from flowgmo.flow.liquid import Liquid
     from flowgmo.step import Report
     from flowgmo.world import World
 
@@ -49,7 +51,7 @@ class Pace:
                 self._note_step(world, state.t - began_at, most)
                 return report, landing
             except StepTooLong as error:
-                most = 0.5 * (t1 - state.t)
+                most = _shorter(world.liquid) * (t1 - state.t)
                 self.cuts += 1
                 if most < clock.dt_min:
                     raise StepFailed(f"{error}, and a step below dtmin={clock.dt_min:.3g} would be needed") from error
@@ -96,6 +98,13 @@ class Pace:
         if t1 >= landing - LAND * dt:
             return landing, True
         return t1, False
+
+
+def _shorter(liquid: Liquid | None) -> float:
+    """Share of a step that was too long to try next: what its velocities allow, with a twentieth to spare, or half."""
+    if liquid is None or liquid.courant <= MOST_COURANT:  # something else than its Courant number
+        return 0.5
+    return min(max(0.95 * MOST_COURANT / liquid.courant, 0.5), 0.9)
 
 
 def _between(times: np.ndarray, t0: float, t1: float) -> np.ndarray:

@@ -14,17 +14,17 @@ index along a direction:   0   1 | 2  ..  n + 1 | n + 2  n + 3      faces on the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from flowgmo.flow.fields import G, Grid
-from flowgmo.flow.layers import copy_layer, copy_layer_where_dry, join_cells, set_layer
+from flowgmo.flow.ghost_layers import GhostLayers
+from flowgmo.flow.layers import fill_dry_layers, fill_layers, join_cells
 from flowgmo.flow.outflow import emptying
 from flowgmo.flow_plan import SidePlan, SideValues
-from flowgmo.mesh import CONTINUATIVE, OUTFLOW, PERIODIC, PRESSURE, SYMMETRY, VELOCITY, WALL
+from flowgmo.mesh import CONTINUATIVE, OUTFLOW, PERIODIC, PRESSURE, VELOCITY
 
-CLOSED = (SYMMETRY, WALL)
 GIVEN = (CONTINUATIVE, VELOCITY, OUTFLOW)  # the projection takes the side's velocity as it is
 
 
@@ -52,6 +52,7 @@ class Sides:
         self.n = tuple(len(w) - 2 * G for w in self.widths)
         self.periodic = tuple(plans[2 * d].kind == PERIODIC for d in range(3))
         self.wider = [_wider(A[m // 2], m // 2, self.n[m // 2], m % 2 == 1) for m in range(6)]
+        self.ghosts = GhostLayers(self.plans, self.n)
         self.set_time(0.0)
 
     def lower_face_acts(self, d: int) -> bool:
@@ -61,6 +62,7 @@ class Sides:
     def set_time(self, t: float) -> None:
         """Take the tables' values at this time."""
         self.values = [plan.at(t) for plan in self.plans]
+        self.ghosts.take(self.values)
 
     # ---- velocity
 
@@ -68,71 +70,17 @@ class Sides:
         """Only the velocities across the sides: on them, and in the ghosts beyond."""
         for d, a in enumerate(velocity):
             if a is not None:
-                for upper in (False, True):
-                    self._normal(a, d, upper, self.plans[2 * d + upper])
+                fill_layers(a, *self.ghosts.of_kind("across", d))
 
     def fill_velocity(self, velocity: Sequence[np.ndarray | None]) -> None:
         """Ghosts of u, v, w, and their values on sides where they are 0, given, or joined."""
-        for d in range(3):
-            for upper in (False, True):
-                plan = self.plans[2 * d + upper]
-                for e, a in enumerate(velocity):
-                    if a is None:
-                        continue
-                    if e == d:
-                        self._normal(a, d, upper, plan)
-                    else:
-                        given = self.values[2 * d + upper].velocity if plan.kind == VELOCITY else None
-                        self._beside(a, d, upper, plan, None if given is None else given[e])
-
-    def _normal(self, a: np.ndarray, d: int, upper: bool, plan: SidePlan) -> None:
-        """Velocity across a side: on the side itself and in the ghosts."""
-        n = self.n[d]
-        side, ghosts = (n + 1, (n + 2, n + 3)) if upper else (1, (0,))
-        if plan.kind in CLOSED:
-            set_layer(a, d, side, 0.0)
-            for m, k in enumerate(ghosts, start=1):
-                inside = side - m if upper else side + m
-                copy_layer(a, d, k, min(max(inside, 1), n + 1), -1.0)
-        elif plan.kind == PERIODIC:
-            pairs = ((n + 2, 2), (n + 3, min(3, n + 1))) if upper else ((1, n + 1), (0, n))
-            for ghost, image in pairs:
-                copy_layer(a, d, ghost, image, 1.0)
-        else:
-            if plan.kind == VELOCITY:
-                set_layer(a, d, side, float(self.values[2 * d + upper].velocity[d]))
-            for k in ghosts:
-                copy_layer(a, d, k, side, 1.0)
-
-    def _beside(self, a: np.ndarray, d: int, upper: bool, plan: SidePlan, given: float | None) -> None:
-        """Velocity along a side, or a value of cells: the ghosts."""
-        for ghost, inside, joined in self._ghosts(d, upper):
-            if given is not None:
-                set_layer(a, d, ghost, float(given))
-            else:
-                copy_layer(a, d, ghost, joined if plan.kind == PERIODIC else inside, 1.0)
-
-    def _ghosts(self, d: int, upper: bool) -> list[tuple[int, int, int]]:
-        """(ghost, its mirror image inside, its image on the other side) of both layers."""
-        n = self.n[d]
-        first = [(n + 2 + m, n + 1 - m, 2 + m) if upper else (1 - m, 2 + m, n + 1 - m) for m in range(G)]
-        return [(g, min(max(i, G), n + 1), min(max(j, G), n + 1)) for g, i, j in first]
+        for e, a in enumerate(velocity):
+            if a is not None:
+                fill_layers(a, *self.ghosts.of_kind("around", e))
 
     def fill_change(self, c: int, a: np.ndarray) -> None:
         """Ghosts of a change of component c of the velocity: as of the velocity, 0 where that is given."""
-        for d in range(3):
-            for upper in (False, True):
-                plan = self.plans[2 * d + upper]
-                if plan.kind == VELOCITY:
-                    layers = [g for g, _, _ in self._ghosts(d, upper)] + (
-                        [self.n[d] + 1 if upper else 1] if c == d else []
-                    )
-                    for layer in layers:
-                        _plane(a, d, layer)[...] = 0.0
-                elif c == d:
-                    self._normal(a, d, upper, plan)
-                else:
-                    self._beside(a, d, upper, plan, None)
+        fill_layers(a, *self.ghosts.of_kind("changed", c))
 
     def let_out(
         self,
@@ -199,23 +147,17 @@ class Sides:
         """
         if F is None:
             return
-        for a, d, upper in self._closed(velocity):
-            n = self.n[d]
-            inside, beside, beyond = (n, n + 1, (n + 1, n + 2, n + 3)) if upper else (2, G, (1, 0))
-            for layer in beyond:
-                copy_layer_where_dry(a, d, layer, inside, F, beside, least)
+        for d, a in enumerate(velocity):
+            if a is not None:
+                rows, _ = self.ghosts.of_kind("loose", d)
+                beside = np.where(rows[:, 1] > G, self.n[d] + 1, G)
+                fill_dry_layers(a, rows, F, beside, least)
 
     def tighten(self, velocity: Sequence[np.ndarray | None]) -> None:
         """Closed sides again, after `loosen`."""
-        for a, d, upper in self._closed(velocity):
-            self._normal(a, d, upper, self.plans[2 * d + upper])
-
-    def _closed(self, velocity: Sequence[np.ndarray | None]) -> Iterator[tuple[np.ndarray, int, bool]]:
-        """(normal velocity, direction, whether it is the upper one) of the closed sides."""
         for d, a in enumerate(velocity):
-            for upper in (False, True):
-                if a is not None and self.plans[2 * d + upper].kind in CLOSED:
-                    yield a, d, upper
+            if a is not None:
+                fill_layers(a, *self.ghosts.of_kind("shut", d))
 
     # ---- liquid
 
@@ -223,14 +165,13 @@ class Sides:
         """Ghosts of F: given where liquid may enter, mirrored or joined elsewhere."""
         if F is None:
             return
-        for d in range(3):
-            for upper in (False, True):
-                plan = self.plans[2 * d + upper]
-                if plan.kind in (PRESSURE, VELOCITY):
-                    for ghost, _, _ in self._ghosts(d, upper):
-                        _plane(F, d, ghost)[...] = self._outside_fraction(self.values[2 * d + upper], d)
-                else:
-                    self._beside(F, d, upper, plan, None)
+        for side, plan in enumerate(self.plans):
+            d, upper = divmod(side, 2)
+            if plan.kind in (PRESSURE, VELOCITY):
+                for ghost, _, _ in self.ghosts.beyond(d, bool(upper)):
+                    _plane(F, d, ghost)[...] = self._outside_fraction(self.values[side], d)
+            else:
+                fill_layers(F, *self.ghosts.of_kind("mirrored", side))
 
     def _outside_fraction(self, values: SideValues, d: int) -> np.ndarray | float:
         height = values.height

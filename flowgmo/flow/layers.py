@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from flowgmo.flow.fields import G
 from flowgmo.kernel import kernel
+
+Layers = list[tuple[int, int, int, float]]  # rows and factors of `fill_layers`
+
+SET = -1  # in place of a layer to copy: a number
 
 
 @kernel
@@ -50,13 +56,43 @@ def set_layer(a, d, to, value):
     """Layer `to` along direction d becomes a number, ghosts included."""
     nx, ny, nz = a.shape
     if d == 0:
-        a[to] = value
+        for j in range(ny):
+            for k in range(nz):
+                a[to, j, k] = value
     elif d == 1:
-        a[:, to] = value
+        for i in range(nx):
+            for k in range(nz):
+                a[i, to, k] = value
     else:
         for i in range(nx):
             for j in range(ny):
                 a[i, j, to] = value
+
+
+@kernel
+def fill_layers(a, rows, factors):
+    """One after the other: layer `to` along d becomes factor times layer `source`, or factor where that is SET.
+
+    rows (n, 3) int64: d, to, source; factors (n,). All layers of an array in one call: many calls cost more than these.
+    """
+    for n in range(len(rows)):
+        if rows[n, 2] == SET:
+            set_layer(a, rows[n, 0], rows[n, 1], factors[n])
+        else:
+            copy_layer(a, rows[n, 0], rows[n, 1], rows[n, 2], factors[n])
+
+
+def as_arguments(layers: Layers) -> tuple[np.ndarray, np.ndarray]:
+    """(rows, factors) of `fill_layers`."""
+    rows = np.array([row[:3] for row in layers], np.int64).reshape(-1, 3)
+    return rows, np.array([row[3] for row in layers], float)
+
+
+@kernel
+def fill_dry_layers(a, rows, F, beside, least):
+    """copy_layer_where_dry for rows (n, 3) of d, to, source; beside (n,): the layer of F."""
+    for n in range(len(rows)):
+        copy_layer_where_dry(a, rows[n, 0], rows[n, 1], rows[n, 2], F, beside[n], least)
 
 
 @kernel

@@ -1,6 +1,6 @@
 """The liquid of a scene: what its steps need and keep, made once.
 
-Bytes per cell: fields 48, open fractions 32, here 64, pressure equation 56 + 33 (projection.py, multigrid.py).
+Bytes per cell: fields 48, open fractions 32, here 78, pressure equation 56 + 33 (projection.py, multigrid.py).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import all_columns, columns_where, widen
 from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.immersed.immersed import Immersed
+from flowgmo.flow.momentum.extrapolation import make_beside
 from flowgmo.flow.momentum.momentum import Momentum
 from flowgmo.flow.observe.tally import Tally
 from flowgmo.flow.pressure.projection import Projector
@@ -66,7 +67,8 @@ class Liquid:
         self.predicted = self._per_direction()
         self.p = np.zeros(self.shape)
         self.F = None if not plan.free_surface else np.zeros(self.shape)
-        self.mark = np.zeros(self.shape, np.int8) if plan.free_surface else None
+        self.beside = make_beside(self.shape, self.present) if plan.free_surface else None
+        self.marked = np.zeros((0, 4), np.int32)  # columns of what `beside` knows
         self.ends = np.zeros((*self.shape[:2], 2), np.int32)
         self.surface_limit = surface_limit(grid, self.gravity, self.present) if plan.free_surface else np.inf
         self.tracking = tracking_of(grid, CARRY[plan.tracking]) if plan.free_surface else None

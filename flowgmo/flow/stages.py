@@ -14,7 +14,7 @@ import numpy as np
 from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.flow.fields import Flow
 from flowgmo.flow.liquid import DUST, Liquid
-from flowgmo.flow.momentum.extrapolation import continue_velocity
+from flowgmo.flow.momentum.extrapolation import continue_velocity, find_sources
 from flowgmo.flow.momentum.prediction import accelerate, fill
 from flowgmo.flow.pressure.conjugate_gradients import Solved
 from flowgmo.flow.pressure.first_stage import push_by_last_pressure
@@ -34,6 +34,7 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     liquid.sides.set_time(t1)
     liquid.find_columns(flow.F)
     liquid.projector.set_surface(flow.F)
+    _look_beside(liquid, flow.F)
     for a in liquid.acceleration:
         if a is not None:
             run(fill, liquid.about, 0.0, a)
@@ -69,15 +70,20 @@ def _advance(liquid: Liquid, old: list, F: np.ndarray | None, share: float, dt: 
         liquid.sides.fill_normal(new)  # the pressure comes next, which needs no more
 
 
+def _look_beside(liquid: Liquid, F: np.ndarray | None) -> None:
+    """Find which faces beside the liquid are continued from which others; the surface is set."""
+    if F is not None:
+        find_sources(
+            liquid.team, liquid.about, liquid.marked, liquid.projector.matrix.b, liquid.openings[1:], F,
+            liquid.sides.periodic, DUST, liquid.beside,
+        )  # fmt: skip
+        liquid.marked = liquid.about
+
+
 def _continue(liquid: Liquid, flow: Flow, velocity: list) -> None:
     """Velocities beside the liquid continue those that the pressure acted on; ghosts are filled."""
     if flow.F is not None:
-        for d, (u, b) in enumerate(zip(velocity, liquid.projector.matrix.b, strict=True)):
-            if u is not None:
-                continue_velocity(
-                    liquid.team, liquid.about, b, liquid.openings[1 + d], flow.F, u, d, liquid.sides.periodic[d], DUST,
-                    liquid.mark,
-                )  # fmt: skip
+        continue_velocity(liquid.team, liquid.about, velocity, liquid.beside)
         liquid.sides.follow(velocity, liquid.projector.matrix.b)
     liquid.sides.fill_velocity(velocity)
 
@@ -89,6 +95,7 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     ghosts are filled. Raises StepTooLong where a shorter step may do.
     """
     plan, new = liquid.plan, liquid.predicted
+    liquid.courant = 0.0  # not known yet, for a step that has to be tried again
     liquid.p[...] = flow.p
     try:
         solved = liquid.projector.project(

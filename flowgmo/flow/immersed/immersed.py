@@ -75,7 +75,8 @@ class Immersed:
         """Open faces beside the bodies are open by NARROW at least: gaps between a body and what it rests on.
 
         In a gap of a millionth of a cell the pressure would be what the solver's tolerance leaves over, divided by the
-        gap: jets, and blows on the body. So wide, the pressure around the body reaches it.
+        gap: jets, and blows on the body. So wide, the pressure around the body reaches it. What flows there is the
+        pressure's alone: before it acts the liquid moves with the body, since friction would stop it at once.
         """
         for d, A in enumerate(self.open[1:]):
             for lower in (0, 1):
@@ -107,7 +108,7 @@ class Immersed:
             at = np.column_stack(faces)[opens]
             around, weight = mean_around(u, (before > 0.0) if len(at) else before, at)
             u[tuple(at.T)] = np.where(weight > 0.0, around, speed[opens])
-            shut = mean[faces] == 0.0
+            shut = mean[faces] <= NARROW
             self.held.append((tuple(f[shut] for f in faces), speed[shut]))
 
     def _covered_faces(self, d: int, places: np.ndarray, velocities: np.ndarray) -> tuple[tuple, np.ndarray]:
@@ -126,7 +127,7 @@ class Immersed:
         return tuple(at.T), speed
 
     def hold(self, velocity: Sequence[np.ndarray | None]) -> None:
-        """Closed faces have the velocity of the body that covers them."""
+        """Closed and narrow faces have the velocity of the body that covers them."""
         for u, held in zip(velocity, self.held, strict=True):
             if u is not None:
                 u[held[0]] = held[1]

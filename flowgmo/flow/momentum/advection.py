@@ -140,4 +140,4 @@ def add_advection(
         team.run(advect, columns, *STEPS[c], q, out, u, v, w, far, far_k, ends, slopes, cut.plain, np.uint8(1 << c))
         rows = cut.rows[c]
         if rows is not None and len(rows):
-            team.run(advect_cut, rows, *STEPS[c], q, open[1 + c], F, out, u, v, w, *open, far, ends, slopes)
+            team.run_uneven(advect_cut, rows, *STEPS[c], q, open[1 + c], F, out, u, v, w, *open, far, ends, slopes)

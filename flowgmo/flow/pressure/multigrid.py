@@ -126,6 +126,23 @@ class Multigrid:
             run(invert, under, coarse.diagonal, coarse.inverse)
         self._gather()
 
+    def mend(self, cells: np.ndarray, diagonal: np.ndarray, more: np.ndarray, scale: float) -> None:
+        """The diagonal of a few of the finest cells (n, 3) is another one, times scale: 0 where it is none any more.
+
+        more (n,): how much more they are held than before. Coarser levels take that, so that what nothing else holds
+        is held there, too; what is held less they leave as it is, which is enough of a preconditioner for one step
+        (the same iterations as with `rebuild`).
+        """
+        top, at = self.levels[0], tuple(cells.T)
+        top.diagonal[at] = scale * diagonal
+        top.inverse[at] = _inverse(top.diagonal[at])
+        more = (scale * np.maximum(more, 0.0)).astype(np.float32)
+        for fine, coarse in zip(self.levels[:-1], self.levels[1:], strict=True):
+            cells = (cells - G) // np.array(fine.factors) + G
+            at = tuple(cells.T)
+            np.add.at(coarse.diagonal, at, np.where(coarse.diagonal[at] > 0.0, more, 0.0))
+            coarse.inverse[at] = _inverse(coarse.diagonal[at])
+
     def _gather(self) -> None:
         """The table of the levels that are too small for threads."""
         n = len(self.levels)
@@ -182,6 +199,11 @@ class Multigrid:
     def _join_unknown(self, level: Level) -> None:
         if any(self.periodic):
             join_cells(level.p, *self.periodic)
+
+
+def _inverse(diagonal: np.ndarray) -> np.ndarray:
+    """1 / diagonal, 0 where that is 0."""
+    return np.where(diagonal > 0.0, 1.0 / np.where(diagonal > 0.0, diagonal, 1.0), 0.0)
 
 
 def _hierarchy(n: list[int], h: list[float]) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:

@@ -233,7 +233,9 @@ class Projector:
         if F is not None and self.openings.V is not None:  # cells that a solid cuts beside the liquid
             near = widen(near, 1, self.q.shape, self.ends)
         counts = np.zeros(len(near), np.int32)
-        run(mark_liquid, near, F, self.openings.V, self.openings, self.steps, self.voids.closed, self.wet, counts)
+        self.team.run_uneven(
+            mark_liquid, near, F, self.openings.V, self.openings, self.steps, self.voids.closed, self.wet, counts
+        )
         m.columns = columns_where(self.wet, 0)
         m.faces = widen(m.columns, 1, self.q.shape, self.ends)
         if F is not None:
@@ -257,7 +259,7 @@ class Projector:
         m, V = self.matrix, self.openings.V
         for d in range(3):
             if m.b[d] is not None:
-                self.team.run(
+                self.team.run_uneven(
                     surface_coefficients, m.faces, self.grid[d], *self.areas[d], self.grid[3 + d], self.openings[1 + d],
                     np.int64(d), F, V, self.openings, self.steps, self.wet, m.b[d],
                 )  # fmt: skip
@@ -292,9 +294,22 @@ class Projector:
         voids.begin(out, velocity, m.b, F, self.q, self.wet, dt, guess)
         if before is not None:
             run(foresee, m.faces, p, before, dt / self.rho, self.wet, self.q)
-        iterations, again, release, last = 0, True, guess, self.solves + MOST_SOLUTIONS
+        iterations, again, last = 0, True, self.solves + MOST_SOLUTIONS
+        changed, release = None, guess  # once: opened again and again, a thin cell ended at 160 kPa of suction
+
+        def full(slack: float) -> bool:
+            """Shut the voids that are full, and open what the guess shut wrongly; whether that changed any."""
+            nonlocal changed, release
+            if self.solves + 1 >= last:
+                return False
+            before = voids.shut.copy()
+            found = voids.shut_full(self.q, slack, release=release)
+            changed = voids.shut != before
+            release = release and not found
+            return found
+
         while again:
-            self._set_matrix(dt)
+            self._set_matrix(dt, changed)
             run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, self.right)
             if source is not None:
                 source(m.diagonal, dt, self.right)
@@ -302,25 +317,30 @@ class Projector:
             voids.enter(self.right)
             if self.beta is None:
                 self._balance(velocity, F, dt, tolerance)
-            solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most, *coupled)
+            solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most, full, *coupled)
             self.solves += 1
             iterations += solved.iterations
             if not solved.converged:
                 self.ease_gravity(velocity, -dt)
                 return replace(solved, iterations=iterations)
-            again = voids.shut_full(self.q, tolerance / dt, release=release)
-            again |= couple is not None and couple.contacts_changed(self.q)
-            again &= self.solves < last
-            release = False
+            again = solved.interrupted or full(tolerance / dt)
+            if not again and couple is not None:
+                again = couple.contacts_changed(self.q) and self.solves < last
         self.sides.join(self.q)
         self.push(velocity)
         p.fill(0.0)
         run(scale_into, m.columns, self.q, self.rho / dt, p)
         return replace(solved, iterations=iterations)
 
-    def _set_matrix(self, dt: float) -> None:
-        """The diagonal, with the lids that are open, and the preconditioner."""
-        m, V, lids, held = self.matrix, self.openings.V, self.voids.lids.at, self.voids.held
+    def _set_matrix(self, dt: float, changed: np.ndarray | None = None) -> None:
+        """The diagonal, with the lids that are open, and the preconditioner.
+
+        changed (voids,): which were shut or opened since it was last set, None at the start of a step.
+        """
+        m, V, voids = self.matrix, self.openings.V, self.voids
+        lids, held = voids.lids.at, voids.held
+        at = tuple(voids.cells[changed].T) if changed is not None else ()
+        before = m.diagonal[at]
         give = None if self.beta is None else self.beta * self.rho / dt**2
         self.team.run(diagonals, m.faces, self.grid, V, self.wet, *m.b, give, m.diagonal)
         m.diagonal[lids] += held
@@ -330,8 +350,13 @@ class Projector:
                 self.team.run(add_give, m.columns, self.grid, V, self.wet, give, scale, surface)
             surface[lids] += (scale * held).astype(surface.dtype)
 
-        if self.multigrid is not None:
+        if self.multigrid is None:
+            return
+        if changed is None:
             self.multigrid.rebuild(m.faces, m.columns, self.ends, m.arrays, self.matrix_scale, hold)
+        else:  # an open lid adds to its cell's diagonal, an open pocket is no unknown any more
+            more = np.where(np.flatnonzero(changed) < len(held), 1.0, -1.0) * (m.diagonal[at] - before)
+            self.multigrid.mend(voids.cells[changed], m.diagonal[at], more, self.matrix_scale)
 
     def _balance(self, velocity: list, F: np.ndarray | None, dt: float, tolerance: float) -> None:
         """The flows of sealed liquid add up to nothing."""

@@ -7,6 +7,8 @@ It takes as many sweeps as there are cells across, or more, where conjugate_grad
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from flowgmo.flow.columns import ONE
@@ -65,9 +67,19 @@ class Relaxation:
         return ()
 
     def solve(
-        self, columns: np.ndarray, matrix: tuple, right: np.ndarray, x: np.ndarray, tolerance: float, most: int
+        self,
+        columns: np.ndarray,
+        matrix: tuple,
+        right: np.ndarray,
+        x: np.ndarray,
+        tolerance: float,
+        most: int,
+        changes: Callable[[float], bool] | None = None,
     ) -> Solved:
-        """Improve x until |right - A x| <= tolerance times the volume of each cell; iterations are sweeps."""
+        """Improve x until |right - A x| <= tolerance times the volume of each cell; iterations are sweeps.
+
+        changes is not asked: that is the caller's when this has ended.
+        """
         before = after = self._error(columns, matrix, right, x)
         sweeps = 0
         while tolerance < after < np.inf and sweeps < most * SWEEPS_AN_ITERATION:

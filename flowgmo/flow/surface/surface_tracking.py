@@ -118,7 +118,7 @@ def move_liquid(
     for at, carrier in enumerate(order):
         if at > 0:
             fill(F)
-        team.run(tracking.carry, around, carrier, dt, F, opened.V, opened, tracking.steps, tracking.flux)
+        team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, tracking.steps, tracking.flux)
         _sweep(team, tracking, wet, order, at, F, opened.V, dt)
         d = carrier.way.d
         entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)

@@ -5,10 +5,29 @@ import pytest
 
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import G
-from flowgmo.flow.momentum.extrapolation import BEYOND, CLOSED, CONTINUED, FREE, HELD, continue_velocity
+from flowgmo.flow.momentum.extrapolation import (
+    BEYOND,
+    CLOSED,
+    CONTINUED,
+    FREE,
+    HELD,
+    continue_velocity,
+    find_sources,
+    make_beside,
+)
 from flowgmo.flow.team import Team
 
 SHAPE = (12, 11, 14)
+
+
+def continued(columns, b, A, F, u, d):
+    """u becomes continued along d; returns the marks of its faces."""
+    present = tuple(e == d for e in range(3))
+    beside = make_beside(SHAPE, present)
+    only = [[x if there else None for there in present] for x in (b, A, u)]
+    find_sources(Team(1), columns, columns, only[0], only[1], F, (False,) * 3, 1e-9, beside)
+    continue_velocity(Team(1), columns, only[2], beside)
+    return beside.mark
 
 
 def pool(direction, depth=6, drop=None):
@@ -25,8 +44,7 @@ def pool(direction, depth=6, drop=None):
 @pytest.mark.parametrize("direction", [0, 1, 2])
 def test_a_uniform_stream_goes_on_for_two_cells_and_drops_keep_their_own(direction):
     b, F, u = pool(direction, drop=(6, 6, 10))
-    mark = np.zeros(SHAPE, np.int8)
-    continue_velocity(Team(1), all_columns(SHAPE), b, None, F, u, direction, False, 1e-9, mark)
+    mark = continued(all_columns(SHAPE), b, None, F, u, direction)
     real = (slice(G, -G - 1),) * 2
     assert np.all(u[real][:, :, 6:8] == pytest.approx(3.0, rel=1e-14))
     assert (mark[real][:, :, 6] == CONTINUED).all()
@@ -41,8 +59,7 @@ def test_closed_faces_give_nothing_and_get_nothing():
     A = np.ones(SHAPE)
     A[6, 6, 6] = 0.0
     u[6, 6, 6] = -99.0
-    mark = np.zeros(SHAPE, np.int8)
-    continue_velocity(Team(1), all_columns(SHAPE), b, A, F, u, 0, False, 1e-9, mark)
+    mark = continued(all_columns(SHAPE), b, A, F, u, 0)
     assert mark[6, 6, 6] == CLOSED and u[6, 6, 6] == -99.0
     assert u[G : -G - 1, G:-G, 6:8].min() in (-99.0, pytest.approx(3.0))
     assert np.sort(np.unique(u[G : -G - 1, G:-G, 6:8]))[1] == pytest.approx(3.0, rel=1e-14)
@@ -54,8 +71,48 @@ def test_order_of_visits_does_not_matter():
     F, u = rng.random(SHAPE) * (rng.random(SHAPE) < 0.4), rng.standard_normal(SHAPE)
     results = []
     for columns in (all_columns(SHAPE), all_columns(SHAPE)[::-1].copy()):
-        value, mark = u.copy(), np.zeros(SHAPE, np.int8)
-        continue_velocity(Team(1), columns, b, None, F, value, 1, False, 1e-9, mark)
+        value = u.copy()
+        mark = continued(columns, b, None, F, value, 1)
         results.append((value, mark))
     assert np.array_equal(results[0][0], results[1][0])
     assert np.array_equal(results[0][1], results[1][1])
+
+
+def test_means_weigh_the_26_neighbours_by_their_distance():
+    """Against plain sums over neighbours, in random fields; a wrong bit or weight of one neighbour would show."""
+    rng = np.random.default_rng(7)
+    b = (rng.random(SHAPE) < 0.2) * 1.0
+    F, u = np.zeros(SHAPE), rng.standard_normal(SHAPE)
+    value = u.copy()
+    mark = continued(all_columns(SHAPE), b, None, F, value, 0)
+    seen = 0
+    held = np.zeros(SHAPE, bool)
+    held[G:-G, G:-G, G:-G] = (mark == HELD)[G:-G, G:-G, G:-G]
+    for i, j, k in np.argwhere(mark == CONTINUED):
+        around = np.argwhere(held[i - 1 : i + 2, j - 1 : j + 2, k - 1 : k + 2]) - 1
+        weight = 1.0 / (around**2).sum(axis=1)
+        mean = (weight * u[tuple((around + [i, j, k]).T)]).sum() / weight.sum()
+        assert value[i, j, k] == pytest.approx(mean, rel=1e-13)  # round-off of at most 26 terms
+        seen += 1
+    assert seen > 300
+
+
+def test_a_film_stays_on_its_floor_and_marks_are_forgotten():
+    """Films below and above their surface; and columns that the liquid has left give nothing any more."""
+    columns, F = all_columns(SHAPE), np.zeros(SHAPE)
+    F[5, 5, 4] = F[5, 5, 9] = 0.2
+    A = np.ones(SHAPE)
+    A[5, 5, 3] = A[5, 5, 9] = 0.0  # floor of the lower film, ceiling of the upper one
+    w = np.zeros(SHAPE)
+    w[5, 5, 4], w[5, 5, 8] = -2.0, 2.0
+    beside = make_beside(SHAPE, (False, False, True))
+    b = [None, None, np.zeros(SHAPE)]
+    find_sources(Team(1), columns, columns[:0], b, [None, None, A], F, (False,) * 3, 1e-9, beside)
+    away = w.copy()
+    away[5, 5, 4], away[5, 5, 8] = 2.0, -2.0
+    continue_velocity(Team(1), columns, [None, None, w], beside)
+    continue_velocity(Team(1), columns, [None, None, away], beside)
+    assert w[5, 5, 4] == w[5, 5, 8] == 0.0
+    assert away[5, 5, 4] == 2.0 and away[5, 5, 8] == -2.0
+    find_sources(Team(1), columns[:0], columns, b, [None, None, A], F, (False,) * 3, 1e-9, beside)
+    assert not beside.mark[G:-G, G:-G, G:-G].any()

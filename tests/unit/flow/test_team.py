@@ -1,0 +1,53 @@
+"""How work is shared among threads."""
+
+import numpy as np
+
+from flowgmo.flow.columns import cells_in
+from flowgmo.flow.team import COLUMN, PIECES, Team
+
+
+def fill(columns, first, last, seen):
+    seen[first:last] += 1
+
+
+def uneven_columns():
+    """Long columns on one side, short ones on the other: a dam and the puddle before it."""
+    lengths = np.repeat([40, 3], [500, 3000])
+    n = len(lengths)
+    return np.column_stack([np.arange(n), np.zeros(n), np.full(n, 2), 2 + lengths]).astype(np.int32)
+
+
+def test_every_column_is_done_once_however_it_is_shared(monkeypatch):
+    monkeypatch.setattr("flowgmo.flow.team.WORTHWHILE", 100)
+    columns = uneven_columns()
+    for threads in (1, 2, 3):
+        team = Team(threads)
+        for run in (team.run, team.run_uneven):
+            seen = np.zeros(len(columns), int)
+            run(fill, columns, seen)
+            assert (seen == 1).all()
+        assert len(team.parts(columns, PIECES)) == (PIECES * threads if threads > 1 else 1)
+
+
+def test_short_columns_count_more_than_their_cells():
+    """Halves of equal cost, not of equal cells: by cells the half with the puddle took 1.4 times its time."""
+    columns = uneven_columns()
+    (_, cut), _ = Team(2).parts(columns)
+    cost = [cells_in(part) + COLUMN * len(part) for part in (columns[:cut], columns[cut:])]
+    assert abs(cost[0] - cost[1]) <= 40 + COLUMN  # one column
+    assert cells_in(columns[:cut]) > 1.2 * cells_in(columns[cut:])  # 1.7; by cells it would be 1.0
+
+
+def test_errors_of_a_thread_reach_the_caller():
+    def fail(columns, first, last):
+        if first > 0:
+            raise ValueError("here")
+
+    team, columns = Team(2), uneven_columns()
+    for run in (team.run, team.run_uneven):
+        try:
+            run(fail, columns)
+        except ValueError as error:
+            assert str(error) == "here"
+        else:
+            raise AssertionError("no error")
