@@ -82,9 +82,9 @@ class ContactPlan:
     """Who may collide and how. Parties are numbered: bodies 0 .. n-1 (deck number - 1), then sides n .. n+5.
 
     allowed, restitution, friction (n+6, n+6), symmetric. `touch` is the gap that counts as touching, in radii of
-    the smaller body. impact, dpfrac, search, multiple, hertz, resting, sleep: the methods, as in &FLOWGMO. closed_form:
-    all that collides are balls and flats whose events have closed forms (collision/balls); `balls` and `flats` are then
-    the bodies that take part as what.
+    the smaller body. impact, dpfrac, search, multiple, hertz, resting, sleep: the methods, as in &FLOWGMO; wet: impacts
+    in liquid feel its inertia. closed_form: all that collides are balls and flats whose events have closed forms
+    (collision/balls); `balls` and `flats` are then the bodies that take part as what.
     """
 
     allowed: np.ndarray
@@ -98,6 +98,7 @@ class ContactPlan:
     hertz: float
     resting: str
     sleep: bool
+    wet: bool
     closed_form: bool
     balls: tuple[int, ...]
     flats: tuple[int, ...]

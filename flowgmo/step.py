@@ -128,7 +128,7 @@ def _stages_with_bodies(
 
     def project(world: World, state: State, t1: float, room: Room) -> None:
         dt = t1 - state.t
-        wet.kick(state.fluid, state, room.motion, state.t, t1)
+        wet.kick(state.fluid, state, room.motion, room.owed, state.t, t1)
         stages.project(liquid, state.fluid, dt, wet.couple)
         liquid.immersed.restore_short()
         wet.finish(liquid.projector.q, room.motion, room.rows)

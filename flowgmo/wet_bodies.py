@@ -27,7 +27,8 @@ from flowgmo.bodies.laws import Laws
 from flowgmo.bodies.move import move_alone
 from flowgmo.errors import StepTooLong
 from flowgmo.flow.favor.near_surface import Pose
-from flowgmo.flow.immersed.body_fluxes import BodyFluxes, weight_of_displaced
+from flowgmo.flow.immersed.added_mass import added_mass, wet_inverse
+from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, weight_of_displaced
 from flowgmo.flow.immersed.contact_rows import Rows, constrain, rows_of_contacts
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.liquid import Liquid
@@ -104,8 +105,9 @@ class WetBodies:
                 np.zeros((0, 4)), np.zeros((64, 7)), np.zeros(64, dtype=np.int64),
             )  # fmt: skip
 
-    def kick(self, flow: object, state: State, motion: np.ndarray, t0: float, t1: float) -> None:
-        """U* of the coupled bodies that the liquid touches: by gravity and control loads (bodies/kicks.py)."""
+    def kick(self, flow: object, state: State, motion: np.ndarray, owed: np.ndarray, t0: float, t1: float) -> None:
+        """U* of the coupled bodies that the liquid touches: by gravity, control loads (bodies/kicks.py), and what
+        impacts owe it, owed (n, 6), which is paid by that."""
         self.dt, self.middle, self.wet = t1 - t0, 0.5 * (t0 + t1), []
         self.flying[:] = self.unloaded
         F = None if flow.F is None else flow.F.reshape(-1)
@@ -116,9 +118,13 @@ class WetBodies:
         which = np.array(self.wet, dtype=np.int64)
         after = motion.copy()
         kick(which, self.arrays, self.laws, after, t0, t1)
-        self.kicked = np.hstack([after["v"][which], after["w"][which]])
-        self.expected = self.velocities[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.each_inverse = inverse_masses(self.arrays[which], motion[which])
+        self.kicked = np.hstack([after["v"][which], after["w"][which]])
+        self.repaid = owed[which]  # what impacts of the last step owe the liquid
+        owed[which] = 0.0
+        self.kicked += np.einsum("bij,bj->bi", self.each_inverse, self.repaid)
+        self.impacts: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self.expected = self.velocities[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.contacts = self._contacts(state, motion) if self.wet and len(state.held_parts) else None
         self.turns = 0
 
@@ -155,7 +161,8 @@ class WetBodies:
         for b in self.wet:
             one = self.liquid.immersed.fluxes[self.place[b]]
             liquid = flat[one.cells] != 0.0
-            parts.append(BodyFluxes(*(a[liquid] for a in one)))
+            cells, J, lift = (a[liquid] for a in one)
+            parts.append(BodyFluxes(cells, closed_sum(J) if self.liquid.immersed.shut_in else J, lift))
             lifts.append(weight_of_displaced(parts[-1], slice(None), rho, self.model.gravity))
         self.lifts = np.array(lifts)
         self.free = (self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.lifts)).reshape(-1)
@@ -200,11 +207,21 @@ class WetBodies:
         control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, loads)
         if self.wet:
             pressed = (self.model.fluid.rho / self.dt) * self.coupling.loads(q).reshape(-1, 6)
-            loads[self.wet] += pressed + self.lifts
+            loads[self.wet] += pressed + self.lifts + self.repaid / self.dt
         entries, first = self.flying_laws.entries, self.flying_laws.rows["first"]
         for b in self.coupled:
             for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):
                 entries[first[self.flying[name][b]], 1] = of_body
+
+    def impact_of(self, b: int) -> tuple[np.ndarray, np.ndarray]:
+        """(M + A)^-1 and A (6, 6) of body b (row) about B, for impacts within the step: found when the first is met."""
+        if b not in self.wet:
+            return np.zeros((6, 6)), np.zeros((6, 6))
+        if b not in self.impacts:
+            n, projector = self.wet.index(b), self.liquid.projector
+            A = added_mass(self.coupling.fluxes[n], projector.respond, projector.q.shape, self.model.fluid.rho)
+            self.impacts[b] = wet_inverse(self.each_inverse[n], A), A
+        return self.impacts[b]
 
     def poses(self, motion: np.ndarray) -> list[Pose]:
         """Of the moving bodies, from motion (n,) POSE: x = R x0 + t, x0 the place at t = 0."""

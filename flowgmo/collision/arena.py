@@ -5,6 +5,8 @@ Rows are parties: bodies 0 .. n-1, then the domain sides n .. n+5, which stand s
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from flowgmo.bodies.arrays import BODY, DRIVEN, POSE, STILL
@@ -56,6 +58,8 @@ class Arena:
         self.pull = np.zeros((n + 6, 3))  # gravity's acceleration of parties that an impulse can move
         self.pull[self.movable == 1] = model.gravity
         self.gravity = float(np.linalg.norm(model.gravity))
+        self.wet: Callable[[int], tuple[np.ndarray, np.ndarray]] | None = None  # wet_bodies.WetBodies.impact_of
+        self.owed = np.zeros((n, 6))
         self._hits, self._hit_body = np.zeros((MOST_HITS, 7)), np.zeros(MOST_HITS, dtype=np.int64)
 
     def parties_of(self, contacts: np.ndarray, *others: np.ndarray) -> np.ndarray:
@@ -82,6 +86,29 @@ class Arena:
         """Responses and twists of the parties `which` at their present poses, or at those of rows (n+6,) of POSE."""
         respond_all(which, self.bodies, self.motion if rows is None else rows, self.responses, self.twists)
 
+    def wet_responses(self, parties: np.ndarray) -> None:
+        """Parties in liquid answer an impact with its inertia too."""
+        if self.wet is None:
+            return
+        for b in parties[(parties < self.n) & (self.movable[parties] == 1)]:
+            inverse, added = self.wet(int(b))
+            if added.any():
+                self.responses["wr"][b] = _six(inverse[3:, 3:])
+                if self.bodies["hinge"][b] == 0:
+                    self.responses["wt"][b] = _six(inverse[:3, :3])
+
+    def owe(self, parties: np.ndarray, before: np.ndarray) -> None:
+        """Book what the liquid gets of the impact that has changed twists from `before` (n+6,) TWIST: A dU."""
+        if self.wet is None:
+            return
+        for b in parties[(parties < self.n) & (self.movable[parties] == 1)]:
+            change = np.concatenate([self.twists[name][b] - before[name][b] for name in "vw"])
+            if change.any():
+                if self.bodies["hinge"][b] != 0:
+                    arm = self.motion["p"][b] - self.responses["centre"][b]
+                    change[:3] = np.cross(change[3:], arm)
+                self.owed[b] += self.wet(int(b))[1] @ change
+
     def bring(self, which: np.ndarray, t: float, books: np.ndarray) -> list[tuple[int, np.ndarray]]:
         """Bring parties to time t. Returns the stops they met: body and row of forced.note_hit."""
         found, failed = bring(
@@ -107,6 +134,11 @@ class Arena:
         from flowgmo.mesh import SIDE_NAMES
 
         return self.model.bodies[party].name if party < self.n else f"side {SIDE_NAMES[party - self.n]}"
+
+
+def _six(tensor: np.ndarray) -> np.ndarray:
+    """xx yy zz xy xz yz of a symmetric tensor (3, 3)."""
+    return np.array([tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[0, 1], tensor[0, 2], tensor[1, 2]])
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -73,11 +73,15 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     engine = collisions.engine
     if wet:
         engine.arena.reload(world.flying)
+        engine.arena.owed[:] = 0.0
+        engine.arena.wet = world.wet_bodies.impact_of if world.model.contacts.wet else None
         engine.sleep.on = False
     engine.held = _held_of(state)
     engine.sleep.load(state.asleep, state.quiet)
     engine.busy = state.busy
     engine.move(state.t, t1, room)
+    if wet:
+        room.owed += engine.arena.owed
     room.held = (*_parts_of(engine.held), *engine.sleep.store(), engine.busy)
 
 

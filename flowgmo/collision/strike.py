@@ -77,6 +77,8 @@ class Striker:
             hits &= speed < -SLOW * self._scale(contacts)
         if not hits.any():
             return Outcome(records, struck, speed)
+        arena.wet_responses(parties)
+        twists = arena.twists.copy()
         spans, label = np.broadcast_to(span, len(contacts)), np.empty(len(contacts), dtype=np.int64)
         islands(contacts, arena.movable, label)
         for number in np.unique(label[hits]):
@@ -88,6 +90,7 @@ class Striker:
             struck[member] = True
             records.append(self._records(group, t, speed[member]))
         set_all(parties[arena.movable[parties] == 1], arena.bodies, arena.motion, arena.responses, arena.twists)
+        arena.owe(parties, twists)
         before = speed.copy()
         approaches(contacts, arena.responses, arena.twists, speed)
         fastest = np.zeros(len(contacts))  # of each island: what happens in one does not change what rests in another

@@ -152,6 +152,11 @@ class MovingOpenings:
         self._pending = None if moved else pending  # what was found of bodies that all rest stays true
         self._left = None
 
+    def all_inside(self) -> bool:
+        """Whether no body touches a side of the domain, now or at the newest poses."""
+        covers = [*self._covers, *(self._pending.covers if self._pending is not None else ())]
+        return all(not len(c.numbers) or _inside(c, self._mesh) for c in covers)
+
     def withdraw(self) -> None:
         """As if nothing had been swept since the last settle."""
         for pending in (self._pending, self._left):

@@ -60,6 +60,20 @@ def body_fluxes(
     return BodyFluxes(cells, np.hstack([a, np.cross(r, a)]), np.hstack([lift, r]))
 
 
+def closed_sum(a: np.ndarray) -> np.ndarray:
+    """a (n,) or (n, m) with sums over n of zero: every row gives its part of the sum, by the size of a and evenly.
+
+    In liquid that is shut in, a body inside brings out of all cells together what it takes in. Where it touches a wall
+    the cells between are closed, and their share is missing.
+    """
+    if not len(a):
+        return a
+    size = np.abs(a)
+    weights = size + size.max(axis=0) / len(a)
+    total = weights.sum(axis=0)
+    return a - weights * np.divide(a.sum(axis=0), total, out=np.zeros_like(total), where=total > 0.0)
+
+
 def weight_of_displaced(fluxes: BodyFluxes, liquid: np.ndarray, rho: float, gravity: np.ndarray) -> np.ndarray:
     """(6,) force and moment about B: `lift` of the cells with liquid (m,) bool, see above."""
     each = rho * gravity * fluxes.lift[liquid, :3]

@@ -22,7 +22,7 @@ import numpy as np
 from flowgmo.flow.favor.moving_openings import MovingOpenings
 from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.fields import Flow, Grid
-from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes
+from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, closed_sum
 from flowgmo.flow.immersed.fresh import mean_around
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.volume_change import VolumeChange
@@ -58,6 +58,7 @@ class Immersed:
         self.change = VolumeChange(rows, swept.V0, swept.V1, self.open.V)
         volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
         self.growth = (swept.V1 - swept.V0) * volumes
+        self.shut_in = flow.F is None and self.covers.all_inside()
         self._widen_gaps()
         self._uncover_cells(flow)
         self.beyond = np.zeros(len(swept.V0))
@@ -150,7 +151,10 @@ class Immersed:
         What such a cell holds too much of, F - 1, it holds of V0, not of the larger V that net_inflow sees.
         """
         rows = tuple(self.cells.T)
-        right[rows] -= np.where(diagonal[rows] != 0.0, (self.growth + PUSH * self.beyond) / dt, 0.0)
+        growth = np.where(diagonal[rows] != 0.0, self.growth, 0.0)
+        if self.shut_in:
+            growth = closed_sum(growth)
+        right[rows] -= (growth + np.where(diagonal[rows] != 0.0, PUSH * self.beyond, 0.0)) / dt
         if self.short is not None:
             at = self.short.cells
             volumes = np.prod([d[k] for d, k in zip(self.grid[:3], at, strict=True)], axis=0)

@@ -332,6 +332,13 @@ class Projector:
         run(scale_into, m.columns, self.q, self.rho / dt, p)
         return replace(solved, iterations=iterations)
 
+    def respond(self, right: np.ndarray, q: np.ndarray, digits: float) -> None:
+        """q = the answer of the liquid to right [length3/time], with the equation as it was last solved; to so many
+        digits of the largest value. Where the liquid is shut in, right is made to add up to nothing."""
+        m, volume = self.matrix, float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
+        self.sealed.balance(m.columns, self.wet, right, np.inf)
+        self.solver.solve(m.columns, m.arrays, right, q, digits * float(np.abs(right).max()) / volume, 100)
+
     def _set_matrix(self, dt: float, changed: np.ndarray | None = None) -> None:
         """The diagonal, with the lids that are open, and the preconditioner.
 
