@@ -183,4 +183,3 @@ class Immersed:
     def settle(self) -> None:
         """The newest poses are now."""
         self.covers.settle()
-        self.renew()

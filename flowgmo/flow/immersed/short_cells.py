@@ -15,6 +15,9 @@ from flowgmo.kernel import inner, kernel
 
 SMALL = 0.02  # of a cell's volume: what steps of a body's motion leave; a void by which a surface shows is larger
 
+NOTICED = 1e-7  # of a cell's volume: less is below what the solver's tolerance leaves, and no void for lids.py either
+SOME = 4096  # cells that are looked for at first
+
 
 @inner
 def _lacks(F, V, i, j, k):
@@ -31,7 +34,7 @@ def _list_short(columns, F, V, Ax, Ay, Az, most, cells):
         i = np.int64(columns[c, 0])
         j = np.int64(columns[c, 1])
         for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
-            if not 0.0 < _lacks(F, V, i, j, k) < most:
+            if not NOTICED < _lacks(F, V, i, j, k) < most:
                 continue
             deep = True
             for d in range(3):
@@ -56,12 +59,12 @@ class ShortCells:
 
     def __init__(self, columns: np.ndarray, F: np.ndarray, V: np.ndarray, areas: tuple) -> None:
         """Find them in columns, and make F full there until `restore`."""
-        found = np.empty((0, 3), np.int64)
+        found = np.empty((SOME, 3), np.int64)
         count = _list_short(columns, F, V, *areas, SMALL, found)
-        if count:
+        if count > SOME:
             found = np.empty((count, 3), np.int64)
             _list_short(columns, F, V, *areas, SMALL, found)
-        self.cells, self.F = tuple(found.T), F
+        self.cells, self.F = tuple(found[:count].T), F
         self.held = F[self.cells]
         self.lack = 1.0 - self.held
         F[self.cells] = 1.0

@@ -34,41 +34,67 @@ def _find(parent, a):
 
 
 @kernel
-def label_regions(V, Ax, Ay, Az, joined, label):
-    """Number the regions of open cells from 0 in `label` (-1: closed); returns how many.
-
-    joined (3,): the two sides across a direction are one (periodic).
-    """
+def _label_runs(V, Az, label):
+    """label = number of a cell's run (open cells of a vertical line, joined by open faces), -1: closed; their count."""
     nx, ny, nz = label.shape
-    parent = np.arange(nx * ny * nz)
-    for i in range(G, nx - G):
-        for j in range(G, ny - G):
-            for k in range(G, nz - G):
-                if V[i, j, k] == 0.0:
-                    continue
-                here = (i * ny + j) * nz + k
-                m = i + 1 if i + 1 < nx - G else G
-                if (m > i or joined[0]) and Ax[i, j, k] > 0.0 and V[m, j, k] > 0.0:
-                    parent[_find(parent, here)] = _find(parent, (m * ny + j) * nz + k)
-                m = j + 1 if j + 1 < ny - G else G
-                if (m > j or joined[1]) and Ay[i, j, k] > 0.0 and V[i, m, k] > 0.0:
-                    parent[_find(parent, here)] = _find(parent, (i * ny + m) * nz + k)
-                m = k + 1 if k + 1 < nz - G else G
-                if (m > k or joined[2]) and Az[i, j, k] > 0.0 and V[i, j, m] > 0.0:
-                    parent[_find(parent, here)] = _find(parent, (i * ny + j) * nz + m)
-    number = np.full(nx * ny * nz, -1, np.int32)
     count = np.int64(0)
     for i in range(nx):
         for j in range(ny):
+            inside = G <= i < nx - G and G <= j < ny - G
             for k in range(nz):
-                label[i, j, k] = -1
-                inside = G <= i < nx - G and G <= j < ny - G and G <= k < nz - G
-                if inside and V[i, j, k] > 0.0:
-                    root = _find(parent, (i * ny + j) * nz + k)
-                    if number[root] < 0:
-                        number[root] = count
-                        count += 1
-                    label[i, j, k] = number[root]
+                if not inside or k < G or k >= nz - G or V[i, j, k] == 0.0:
+                    label[i, j, k] = -1
+                    continue
+                if k == G or V[i, j, k - 1] == 0.0 or Az[i, j, k - 1] == 0.0:
+                    count += 1
+                label[i, j, k] = count - 1
+    return count
+
+
+@kernel
+def _join_lines(A, label, i, j, m, n, parent):
+    """Join the runs of the lines (i, j) and (m, n) where the faces A between them, on the first, are open."""
+    last_one = last_two = np.int64(-1)
+    for k in range(G, label.shape[2] - G):
+        one = np.int64(label[i, j, k])
+        two = np.int64(label[m, n, k])
+        if one < 0 or two < 0 or A[i, j, k] == 0.0 or (one == last_one and two == last_two):
+            continue
+        last_one, last_two = one, two
+        parent[_find(parent, one)] = _find(parent, two)
+
+
+@kernel
+def label_regions(V, Ax, Ay, Az, joined, label):
+    """Number the regions of open cells from 0 in `label` (-1: closed); returns how many.
+
+    joined (3,): the two sides across a direction are one (periodic). Runs along z are joined, not cells: they are few.
+    """
+    nx, ny, nz = label.shape
+    parent = np.arange(_label_runs(V, Az, label))
+    for i in range(G, nx - G):
+        for j in range(G, ny - G):
+            m = i + 1 if i + 1 < nx - G else G
+            if m > i or joined[0]:
+                _join_lines(Ax, label, i, j, m, j, parent)
+            m = j + 1 if j + 1 < ny - G else G
+            if m > j or joined[1]:
+                _join_lines(Ay, label, i, j, i, m, parent)
+            top, bottom = np.int64(label[i, j, nz - G - 1]), np.int64(label[i, j, G])
+            if joined[2] and top >= 0 and bottom >= 0 and Az[i, j, nz - G - 1] > 0.0:
+                parent[_find(parent, top)] = _find(parent, bottom)
+    number = np.full(len(parent), -1, np.int32)
+    count = np.int64(0)
+    for run in range(len(parent)):
+        root = _find(parent, np.int64(run))
+        if number[root] < 0:
+            number[root] = count
+            count += 1
+    for i in range(G, nx - G):
+        for j in range(G, ny - G):
+            for k in range(G, nz - G):
+                if label[i, j, k] >= 0:
+                    label[i, j, k] = number[_find(parent, np.int64(label[i, j, k]))]
     return count
 
 
