@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
+from flowgmo.bodies.body import Sinusoid
 from flowgmo.flow_plan import FluidPlan, LiquidStart, SidePlan, mesh_bytes, speed_in_sight
 from flowgmo.mesh import SIDE_NAMES
 from flowgmo.model import Model
@@ -22,7 +23,9 @@ STEP_OVERHEAD = 5e-5  # one step of Python around the kernels, from the same
 # to 22 (10 700), spheric2 62 to 94 (84 000 to 100 000). Without: plane .6 ms (64), cavity 1.4 (4100), re1000 2.3
 # (9200), cylinder 3.8 (10 300)
 WET_STEP = {True: (2e-3, 9e-7), False: (1e-3, 2.5e-7)}
+BODY_STEP = 1e-2  # of bodies that move in it: half, full (8192 cells, a ball 6 across) 9 to 12 ms more, from the same
 START_SECONDS = 1.0  # loading kernels, set-up, the first and the last output, from the same
+BESIDE = 1.5  # times its own speed the liquid flows beside a body: a sphere's, in potential flow
 SAMPLES = 64000  # points of the domain in which liquid at the start is looked for: 10 ms for a few boxes
 
 
@@ -60,6 +63,7 @@ def _wet_cost(model: Model, fluid: FluidPlan, memory: float, rows: int) -> str:
     dt = _expected_step(model, fluid, height, wet)
     steps, share = _steps(model, dt), float(wet.mean())
     overhead, each = WET_STEP[fluid.free_surface]
+    overhead += BODY_STEP * bool(model.moving)
     seconds = START_SECONDS + steps * (overhead + model.mesh.cells * share * each)
     return (
         f"{model.mesh.cells} cells, {100 * share:.0f} % with liquid at the start, about {steps} steps of {dt:.2g}, "
@@ -80,7 +84,9 @@ def _expected_step(model: Model, fluid: FluidPlan, height: np.ndarray, wet: np.n
     g = float(np.linalg.norm(model.gravity))
     least = model.clock.end
     with np.errstate(over="ignore", divide="ignore"):
-        speed = speed_in_sight(fluid, np.zeros(3), np.zeros(3))
+        bodies = _speed_of_bodies(model)
+        speed = max(speed_in_sight(fluid, np.zeros(3), np.zeros(3)), BESIDE * bodies)
+        least = min(least, 0.5 * sizes.min() / np.float64(bodies))  # TRAVEL of wet_bodies.py
         if fluid.free_surface:
             speed = max(speed, np.sqrt(2.0 * g * _fall(fluid, model, height, wet)))
             least = min(least, fluid.steps.surface_courant * np.sqrt(sizes.min() / (np.pi * np.float64(g))))
@@ -91,6 +97,16 @@ def _expected_step(model: Model, fluid: FluidPlan, height: np.ndarray, wet: np.n
     if rate == 0.0 and not fluid.free_surface:
         return model.clock.dt  # what sets it in motion is not known
     return max(min(least, float(model.clock.dt_max.spacing.max())), model.clock.dt_min)
+
+
+def _speed_of_bodies(model: Model) -> float:
+    """Largest speed [length/time] of a moving body's mass centre that the deck names, turning apart."""
+    speeds = [float(np.linalg.norm(body.velocity)) for body in model.moving]
+    for body in model.moving:
+        laws = [drive.law for drive in body.drives[:3] if not drive.coupled]
+        most = [abs(law.amplitude) if isinstance(law, Sinusoid) else float(np.abs(law.y).max()) for law in laws]
+        speeds.append(float(np.linalg.norm(most)))
+    return max(speeds, default=0.0)
 
 
 def _at_start(model: Model, fluid: FluidPlan) -> tuple[np.ndarray, np.ndarray]:

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.energy import kinetic_energy, potential_energy
+from flowgmo.bodies.arrays import DRIVEN, FORCED
+from flowgmo.bodies.energy import kinetic_energy, potential_energy, rotation_matrices
 from flowgmo.model import Model
 from flowgmo.records import Rows
 from flowgmo.state import BOOKS, State, initial_state
 from flowgmo.world import World, poses_of
 
+ENERGY = "energy/"  # what begins the names of the books of energy in history.h5
+
 
 def rows_of_state(world: World, state: State, liquid: dict[str, np.ndarray] | None = None) -> Rows:
     """One row: the state as it stands (used at t = 0); liquid as in records.Rows."""
     force = np.zeros((1, len(state.p_WB), 3)) if world.collisions else None
-    return make_rows(world, np.array([state.t]), poses_of(state)[None], force, state.books[None].copy(), liquid)
+    loads = None
+    if world.wet_bodies is not None:
+        loads = world.wet_bodies.records.of_all(len(state.p_WB))
+        liquid = (liquid or {}) | world.wet_bodies.records.values(world.wet_bodies.names, 1)
+    return make_rows(world, np.array([state.t]), poses_of(state)[None], force, state.books[None].copy(), liquid, loads)
 
 
 def make_rows(
@@ -24,15 +31,20 @@ def make_rows(
     contact_force: np.ndarray | None,
     books: np.ndarray,
     liquid: dict[str, np.ndarray] | None = None,
+    loads: np.ndarray | None = None,
 ) -> Rows:
-    """History rows from states (k, n) of POSE: energies and residual loads are added here."""
+    """History rows from states (k, n) of POSE: energies and residual loads are added here.
+
+    liquid: as in records.Rows, and in a scene whose bodies move in it `energy/...` too; loads (n, 6): of the liquid on
+    every body, force and torque about B.
+    """
     model, arrays = world.model, world.arrays
     p, q, v, w = (np.ascontiguousarray(poses[name]) for name in "pqvw")
     kinetic = kinetic_energy(arrays, q, v, w)
-    residual = _residuals(world, t, poses)
-    energy: dict[str, np.ndarray] = {}
+    residual = _residuals(world, t, poses, loads)
+    energy = {name[len(ENERGY) :]: a for name, a in (liquid or {}).items() if name.startswith(ENERGY)}
     coupled = coupled_bodies(model)
-    if coupled.any():
+    if coupled.any() and not energy:
         energy["kinetic"] = kinetic[:, coupled].sum(axis=1)
         energy["potential"] = potential_energy(arrays, p)[:, coupled].sum(axis=1)
         remainder = energy["kinetic"] + energy["potential"] - world.energy_at_start
@@ -52,18 +64,54 @@ def make_rows(
         residual_torque=residual[1] if residual else None,
         kinetic_energy=kinetic if has_mass else None,
         energy=energy,
-        liquid=liquid or {},
+        liquid={name: a for name, a in (liquid or {}).items() if not name.startswith(ENERGY)},
     )
 
 
-def _residuals(world: World, t: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def wet_energy(world: World, state: State, liquid: dict) -> dict[str, float]:
+    """`energy/...` of an instant of a scene whose bodies move in liquid: coupled bodies and liquid together.
+
+    liquid: its values, as of flow/observe/watch.py. The remainder is what the step's method makes or loses: the
+    liquid's advection, surface and friction, the impulsive start of bodies, U of the end of the step along its way, and
+    what open sides of the domain bring.
+    """
+    coupled, arrays = coupled_bodies(world.model), world.arrays
+    kinetic = kinetic_energy(arrays, state.q_WB[None], state.v_WB[None], state.w_WB[None])[0, coupled].sum()
+    potential = potential_energy(arrays, state.p_WB[None])[0, coupled].sum()
+    energy = {
+        "kinetic": float(kinetic) + liquid["fluid/kinetic_energy"],
+        "potential": float(potential) + liquid["fluid/potential_energy"],
+    }
+    remainder = energy["kinetic"] + energy["potential"] - world.energy_at_start - state.fluid.start_energy
+    for name, place, sign in world.ledger:
+        energy[name] = float(state.books[place])
+        remainder -= sign * energy[name]
+    return {ENERGY + name: value for name, value in (energy | {"remainder": remainder}).items()}
+
+
+def _residuals(
+    world: World, t: np.ndarray, poses: np.ndarray, loads: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray] | None:
     if not world.model.has("residual"):
         return None
     from flowgmo.bodies.residual import residual_rows
 
     force, torque = np.zeros((*poses.shape, 3)), np.zeros((*poses.shape, 3))
     residual_rows(world.arrays, world.laws, t, poses, force, torque)
+    if loads is not None:
+        from flowgmo.wet_loads import kept
+
+        for b in np.flatnonzero(needs_residual(world.arrays)):
+            for k, R in enumerate(rotation_matrices(poses["q"][:, b])):
+                answer = kept(world.arrays[b], R, loads[b])
+                force[k, b] += answer[:3]
+                torque[k, b] += answer[3:]
     return force, torque
+
+
+def needs_residual(arrays: np.ndarray) -> np.ndarray:
+    """(n,) which bodies have a residual load: those with mass that are prescribed in whole or in part."""
+    return (arrays["mass"] > 0.0) & np.isin(arrays["motion"], (DRIVEN, FORCED))
 
 
 def ledger_of(model: Model) -> tuple[tuple[str, int, float], ...]:

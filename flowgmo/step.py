@@ -30,7 +30,7 @@ from flowgmo.bodies.move import move_alone
 from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.model import Model
 from flowgmo.records import CLUSTER, IMPACT, LIMIT, Rows, no_impacts
-from flowgmo.rows import energy_at_start, ledger_of, make_rows
+from flowgmo.rows import energy_at_start, ledger_of, make_rows, wet_energy
 from flowgmo.state import State, initial_state
 from flowgmo.world import Room, World, poses_of
 
@@ -129,12 +129,17 @@ def _stages_with_bodies(
     def project(world: World, state: State, t1: float, room: Room) -> None:
         dt = t1 - state.t
         wet.kick(state.fluid, state, room.motion, room.owed, state.t, t1)
-        stages.project(liquid, state.fluid, dt, wet.couple)
+        try:
+            stages.project(liquid, state.fluid, dt, wet.couple)
+        except StepFailed as error:
+            raise wet.explained(error) from error
         liquid.immersed.restore_short()
         wet.finish(liquid.projector.q, room.motion, room.rows)
+        wet.records.note(liquid.p)
 
     def arrive(world: World, state: State, t1: float, room: Room) -> None:
         liquid.immersed.arrive(wet.poses(room.motion))
+        wet.records.book(room.books, poses_of(state), room.motion, wet.wet, wet.middle, t1 - state.t)
 
     def move_liquid(world: World, state: State, t1: float, room: Room) -> None:
         stages.move_liquid(liquid, state.fluid, t1 - state.t, state.step)
@@ -145,11 +150,20 @@ def _stages_with_bodies(
 
 
 def start_liquid(world: World, state: State) -> None:
-    """Give the state its liquid at t = 0, where the scene has any and the state none (it was not read from a file)."""
-    if world.liquid is not None and state.fluid is None:
+    """Give the state its liquid at t = 0, where the scene has any and the state none (it was not read from a file).
+
+    On return the open fractions are those of the state's poses.
+    """
+    if world.liquid is None:
+        return
+    if world.wet_bodies is not None:
+        world.wet_bodies.stand(poses_of(state))
+    if state.fluid is None:
         from flowgmo.flow.build import initial_flow
 
         state.fluid = initial_flow(world.liquid, world.model)
+        if world.wet_bodies is not None:
+            world.wet_bodies.records.at_start(state.fluid, state.p_WB)
 
 
 def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool) -> Report:
@@ -188,7 +202,11 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
         from flowgmo.flow.observe.watch import between
 
         liquid = between(liquid, liquid_values(world, state), t0, t1, asked)
-    rows = make_rows(world, asked, room.rows, room.contact_force, room.rows_books, liquid)
+    loads = None
+    if world.wet_bodies is not None:
+        loads = world.wet_bodies.records.of_all(len(state.p_WB))
+        liquid |= world.wet_bodies.records.values(world.wet_bodies.names, asked.size)
+    rows = make_rows(world, asked, room.rows, room.contact_force, room.rows_books, liquid, loads)
     return Report(rows=rows, impacts=impacts)
 
 
@@ -198,6 +216,9 @@ def liquid_values(world: World, state: State) -> dict:
         return {}
     began, flow = time.perf_counter(), state.fluid
     values = world.watch.at(state.step, flow, flow.start_volume, flow.passed)
+    if world.wet_bodies is not None:
+        wet = world.wet_bodies
+        values = values | wet.records.wet_parts(flow, wet.names, state.p_WB) | wet_energy(world, state, values)
     booked = "gauges" if "gauges" in world.seconds else KERNELS
     world.seconds.setdefault("gauges", 0.0)
     world.seconds[booked] = world.seconds.get(booked, 0.0) + time.perf_counter() - began

@@ -25,7 +25,7 @@ from flowgmo.bodies.energy import rotation_matrices
 from flowgmo.bodies.kicks import control_loads_at, kick
 from flowgmo.bodies.laws import Laws
 from flowgmo.bodies.move import move_alone
-from flowgmo.errors import StepTooLong
+from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.immersed.added_mass import added_mass, wet_inverse
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, weight_of_displaced
@@ -33,7 +33,9 @@ from flowgmo.flow.immersed.contact_rows import Rows, constrain, rows_of_contacts
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.liquid import Liquid
 from flowgmo.model import Model
+from flowgmo.pressed import explained
 from flowgmo.state import State
+from flowgmo.wet_loads import WetLoads
 
 TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
 STICKS = 0.99  # of the friction cone: a contact within is taken to stick
@@ -61,6 +63,9 @@ class WetBodies:
         ) if n > 1)  # fmt: skip
         self.velocities = np.zeros((len(self.movers), 6))
         self.coupling: Coupling | None = None
+        self.wet: list[int] = []
+        self.records = WetLoads(arrays, laws, self.movers, self.driven, liquid, pushed=self.loaded)
+        self.names = [body.name for body in model.moving]
 
     # ---- the length of a step
 
@@ -72,6 +77,11 @@ class WetBodies:
     def _speed(self, v: np.ndarray, w: np.ndarray) -> float:
         spin = np.where(np.isfinite(self.reach), self.reach, 0.0) * np.linalg.norm(w, axis=1)
         return float((np.linalg.norm(v, axis=1) + spin).max(initial=0.0))
+
+    def stand(self, motion: np.ndarray) -> None:
+        """Before the first step: the open fractions are those of the poses motion (n,) POSE, t = 0 or of a file."""
+        self.liquid.immersed.covers.sweep(self.poses(motion))
+        self.liquid.immersed.settle()
 
     # ---- stages
 
@@ -88,11 +98,13 @@ class WetBodies:
                 then["p"][b] = self.arrays[b]["point"] + arm
         m = self.movers
         speed = self._speed(then["v"][m], then["w"][m])
-        if speed * dt > 2.0 * TRAVEL * self.cell:
-            raise StepTooLong(f"a body crosses {speed * dt / self.cell:.3g} of a cell in a step")
+        ways = np.linalg.norm(then["p"][m] - motion["p"][m], axis=1)  # a jump within the step may be over at its end
+        way = max(speed * dt, float(ways.max(initial=0.0)))
+        if way > 2.0 * TRAVEL * self.cell:
+            raise StepTooLong(f"a body crosses {way / self.cell:.3g} of a cell in a step")
         places = 0.5 * (motion["p"][m] + then["p"][m])
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
-        self.liquid.immersed.begin(flow, self.poses(then), places, self.velocities, with_fluxes=len(self.coupled) > 0)
+        self.liquid.immersed.begin(flow, self.poses(then), places, self.velocities, with_fluxes=True)
         self.liquid.find_columns(flow.F)
         self.liquid.immersed.fill_short(self.liquid.near, flow.F)
 
@@ -222,6 +234,11 @@ class WetBodies:
             A = added_mass(self.coupling.fluxes[n], projector.respond, projector.q.shape, self.model.fluid.rho)
             self.impacts[b] = wet_inverse(self.each_inverse[n], A), A
         return self.impacts[b]
+
+    def explained(self, error: StepFailed) -> StepFailed:
+        """The error, or one that says which body presses what."""
+        (block,), sealed = self.model.mesh.blocks, self.liquid.projector.sealed
+        return explained(error, sealed, self.liquid.immersed, self.velocities, self.names, block)
 
     def poses(self, motion: np.ndarray) -> list[Pose]:
         """Of the moving bodies, from motion (n,) POSE: x = R x0 + t, x0 the place at t = 0."""

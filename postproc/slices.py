@@ -74,7 +74,8 @@ class Fields:
         others = [d for d in range(3) if d != axis]
         p = group["p"][layer]
         F = group["F"][layer] if "F" in group else None
-        V = self.file["V"][layer] if "V" in self.file else None
+        of = group if "V" in group else self.file  # bodies that move open and close cells
+        V = of["V"][layer] if "V" in of else None
         speed = np.linalg.norm(group["velocity"][layer], axis=-1)
         return Slice("".join("xyz"[d] for d in others), tuple(planes[d] for d in others), F, p, speed, V)
 

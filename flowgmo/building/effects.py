@@ -19,6 +19,7 @@ def list_effects(
     found = [*_gravity(deck, bodies, fluid)]
     if fluid is not None:
         found += _of_fluid(fluid)
+        found += _of_wet_bodies(bodies)
     found += [*_of_motion(bodies), *_of_held_bodies(deck, bodies)]
     if contacts is not None:
         found += _of_contacts(deck, bodies, contacts)
@@ -88,6 +89,20 @@ def _of_fluid(fluid: FluidPlan) -> Found:
     if fluid.loads:
         text = f"load of the liquid on {len(fluid.loads)} fixed component{'s' if len(fluid.loads) > 1 else ''}"
         yield "loads", text, "IFRCO", fluid.loads[0].body
+
+
+def _of_wet_bodies(bodies: tuple[Body, ...]) -> Found:
+    """How bodies that move take part in the pressure equation."""
+    moving = [b for b in bodies if b.moves]
+    coupled = [b for b in moving if b.kind == COUPLED]
+    if coupled:
+        text = f"velocities of {_count(coupled, 'body', 'bodies')} solved with the pressure"
+        driven = len(moving) - len(coupled)
+        text += f"; {driven} prescribed in its right-hand side only" if driven else ""
+        yield "immersed bodies", text, "IMO", coupled[0].number
+    elif moving:
+        text = f"what {_count(moving, 'body pushes', 'bodies push')} away, in the pressure's right-hand side only"
+        yield "immersed bodies", text, "IMO", moving[0].number
 
 
 def _partly_prescribed(body: Body) -> bool:

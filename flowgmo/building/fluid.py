@@ -8,6 +8,7 @@ from flowgmo.building.findings import Findings
 from flowgmo.building.gauges import build_loads, build_planes, check_probes
 from flowgmo.building.liquid import build_start
 from flowgmo.building.memory import check_memory
+from flowgmo.building.wet_bodies import check_wet_bodies
 from flowgmo.flow_plan import GROWTH, MOST_COURANT, CleanUp, FluidPlan, PressurePlan, StepPlan
 from flowgmo.mesh import Mesh
 
@@ -25,6 +26,7 @@ def build_fluid(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> FluidP
     check_directions(found, mesh)
     check_probes(found, mesh)
     _check_open(found, mesh, bodies)
+    check_wet_bodies(found, mesh, bodies)
     void_pressure = float(deck["PVOID"])
     sides = build_sides(found, mesh, void_pressure)
     if deck["ITB"] == 0 and deck["RCSQL"] == 0.0:

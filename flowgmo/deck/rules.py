@@ -18,6 +18,7 @@ from .rules_mass import RULES as MASS
 from .rules_mesh import RULES as MESH
 from .rules_motion import RULES as MOTION
 from .rules_time import RULES as TIME
+from .rules_wet_bodies import RULES as WET_BODIES
 from .store import Index
 from .variables import REGISTRY
 
@@ -31,7 +32,7 @@ def check(deck: Deck) -> tuple[list[Problem], list[Notice]]:
     if deck["IGNORE_UNSUPPORTED"]:
         findings = [Notice(*vars(finding).values()) for finding in findings]
         _switch_off(deck)
-    for rule in (*TIME, *MESH, *BODIES, *MOTION, *MASS, *(FLUID if deck.given("RHOF") else ())):
+    for rule in (*TIME, *MESH, *BODIES, *MOTION, *MASS, *((*FLUID, *WET_BODIES) if deck.given("RHOF") else ())):
         findings += rule(deck)
     problems = [f for f in findings if isinstance(f, Problem)]
     notices = [f for f in findings if not isinstance(f, Problem)]

@@ -37,8 +37,8 @@ IGTRFMVB | int | m | 0 | - | 0 1 | M | 1 the component's transform also moves it
 = computed, needs liquid
 IFRCO | int | m | 0 | - | 0 1 | M | 1 records the load on a fixed component
 XFRCO YFRCO ZFRCO | real | m | 0.0 | length | | M D3 | {axis} of the point that recorded torques refer to
-IFWETAR | int | m | 0 | - | 0 1 | M | 1 records the wetted area
-IBUOYO | int | m | 0 | - | 0 1 | M | 1 records centre of buoyancy and metacentric height
+IFWETAR | int | m | 0 | - | 0 1 | M | 1 records the wetted area of a fixed component; that of moving ones always is
+IBUOYO | int | m | 0 | - | 0 1 | M | metacentric height; the centre of buoyancy of moving bodies is always recorded
 IPREF | int | m | 1 | - | 1 2 | M | reference pressure: 1 PREFMBW, 2 mean over the wet surface
 PREFMBW | real | m | PVOID | mass/length/time2 | | M | pressure on dry and on outlying surface
 IAVRCK | int | | 0 | - | 0 1 | M | 1 raises the open volume of slivers, which moves walls

@@ -110,7 +110,7 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
         settle_pressure(liquid, flow, model.clock.dt)
     columns = all_columns(liquid.shape)
     whole = total(liquid.team, columns, liquid.grid, liquid.openings, flow, model.fluid.rho, liquid.gravity, DUST)
-    flow.start_volume = whole.volume
+    flow.start_volume, flow.start_energy = whole.volume, whole.kinetic + whole.potential
     return flow
 
 

@@ -40,7 +40,8 @@ class Flow:
     shape (nx + 4, ny + 4, nz + 4), None where absent: v for one cell in y, F without a free surface.
     p_before, of mesh size: p of the step before the last one, for the first guess of the next; None at the start.
     dt [time]: the length of the last step.
-    start_volume [length3] of liquid at t = 0; passed (6,) [length3]: liquid that came in through each side since.
+    start_volume [length3] of liquid at t = 0, start_energy its kinetic and potential energy; passed (6,) [length3]:
+    liquid that came in through each side since.
     """
 
     u: np.ndarray | None
@@ -50,6 +51,7 @@ class Flow:
     F: np.ndarray | None
     dt: float
     start_volume: float = 0.0
+    start_energy: float = 0.0
     passed: np.ndarray = field(default_factory=lambda: np.zeros(6))
     p_before: np.ndarray | None = None
 

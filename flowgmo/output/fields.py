@@ -2,6 +2,7 @@
 
     x y z          planes of the mesh (n + 1,) [length]          V   open fraction of the cells, where there are solids
     deck           complete deck
+                                                             (among bodies that move one in each snapshot)
     000000/ ...    one group for each snapshot, attribute `time`: p, F (nx, ny, nz), velocity (nx, ny, nz, 3), float32
 
 A cell [i, j, k] lies between x[i] and x[i + 1], and so on. The file is opened for each snapshot, made longer by a group
@@ -62,9 +63,10 @@ class Fields:
             there = snapshots(file)
             if there and there[-1][0] == state.t:
                 return
-            if self.V is not None and "V" not in file:
-                _table(file, "V", real(self.V).astype(np.float32)).attrs["meaning"] = "open fraction of the cells"
             group = file.create_group(f"{len(there):06d}")
+            place = group if self.model.moving else file
+            if self.V is not None and "V" not in place:
+                _table(place, "V", real(self.V).astype(np.float32)).attrs["meaning"] = "open fraction of the cells"
             for name, values in arrays.items():
                 quantity, meaning = MEANING[name]
                 table = _table(group, name, values)

@@ -159,7 +159,7 @@ class History:
         for name in rows.energy:
             self._table(f"energy/{name}", (), "energy", "whole scene", layout.ENERGY.get(name, name))
         for name in rows.liquid:
-            column = layout.liquid_column(name)
+            column = layout.liquid_column(name, tuple(body.name for body in self.model.moving))
             self._table(name, column.columns, column.quantity, column.location, column.meaning)
         if rows.liquid:
             self._describe_gauges()

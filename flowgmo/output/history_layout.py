@@ -80,13 +80,25 @@ LIQUID = {
         "force_pressure": ((3,), "force", "space axes", "part of the force that pressure makes"),
         "force_shear": ((3,), "force", "space axes", "part of the force that viscous shear makes"),
         "wetted_area": ((), "area", "", "area of the wall that liquid touches"),
+        "buoyancy_centre": (
+            (3,),
+            "length",
+            "space axes",
+            "centre of the displaced liquid, to the level at the body; dry: its point",
+        ),
     },
 }
 
 
-def liquid_column(name: str) -> Column:
-    """The dataset of a name such as `probes/3/p`; `name` of the Column is the whole of it."""
-    columns, quantity, location, meaning = LIQUID[name.partition("/")[0]][name.rpartition("/")[2]]
+def liquid_column(name: str, moving: tuple[str, ...] = ()) -> Column:
+    """The dataset of a name such as `probes/3/p`; `name` of the Column is the whole of it. moving: names of bodies
+    that move, of which loads are means over steps, and torques about their own points."""
+    group, _, rest = name.partition("/")
+    of, _, quantity_name = rest.rpartition("/")
+    columns, quantity, location, meaning = LIQUID[group][quantity_name]
+    if group == "bodies" and of in moving and quantity in ("force", "torque"):
+        meaning += "; mean over the step that ends at the row or goes on at it, impacts apart"
+        location = location if quantity == "force" else "space axes, about the body's point"
     return Column(name, name, columns, quantity, location, meaning)
 
 

@@ -147,7 +147,10 @@ WRONG = {
         deck("imo(1)=4, rhomvb(1)=1."),
         ["bad.nml:8: &obs obsid(1)", "no solid subcomponent", "Write iob(n)=1"],
     ),
-    "liquid": (deck(more="&props rhof=1000. /\n"), ["bad.nml:14: &props rhof=1000.0", "not computed yet"]),
+    "liquid": (
+        deck(xput="impmob=0,", more="&props rhof=1000. /\n"),
+        ["bad.nml:4: &xput impmob=0", "solved together, stable at any density", "Write impmob=1"],
+    ),
     "liquid without density": (deck(more="&fl flht=.5 /\n"), ["bad.nml:14: &fl flht=0.5", "rhof"]),
     "not computed": (deck(xput="ifvis=4"), ["bad.nml:4: &xput ifvis=4", "not computed", "Write ifvis=0"]),
     "imo without imobs": (

@@ -9,6 +9,7 @@ from flowgmo_wet import FREE, FULL, wet
 from flowgmo import cli
 
 BODY = "nobs=1, iob(1)=1, zh(1)=.1,"
+BALL = "nobs=1, iob(1)=1, rsh(1)=.2, trnx(1)=1., trny(1)=.5, trnz(1)=.5,"
 
 # The deck, and what the text names. Lines: &xput 3, &props 6, &mesh 9, &fl 12, others from 15.
 WRONG = {
@@ -51,13 +52,17 @@ WRONG = {
         wet(xput=FREE + "imobs=1,", props="", fl="", bcdata="ibct(3)=4,4,", obs=BODY + "imo(1)=4, rhomvb(1)=1.,"),
         ["bad.nml:15: &bcdata ibct(3)=4", "moving bodies with periodic sides"],
     ),
-    "bodies in liquid": (
-        wet(xput=FREE + "imobs=1,", obs=BODY + "imo(1)=4, rhomvb(1)=1.,"),
-        ["bad.nml:6: &props rhof=1000.0", "imo(1)=4, are not computed yet", "Remove rhof (and flht)"],
+    "bodies one after the other": (
+        wet(xput=FREE + "imobs=1, impmob=0,", obs=BALL + "imo(1)=4, rhomvb(1)=1.,"),
+        ["bad.nml:3: &xput impmob=0", "bodies and liquid one after the other", "Write impmob=1"],
     ),
-    "driven bodies in liquid": (
-        wet(xput=FREE + "imobs=1,", obs=BODY + "imo(1)=3, utobs(1,1)=1.,"),
-        ["bad.nml:6: &props rhof=1000.0", "imo(1)=3, are not computed yet"],
+    "bodies and relaxation": (
+        wet(xput=FREE + "imobs=1, igmres=0,", obs=BALL + "imo(1)=4, rhomvb(1)=1.,"),
+        ["bad.nml:3: &xput igmres=0", "relaxation of the pressure with bodies", "Write igmres=1"],
+    ),
+    "body without mass in liquid": (
+        wet(xput=FREE + "imobs=1,", obs=BALL + "imo(1)=4,"),
+        ["bad.nml:14: &obs rhomvb(1)", "no density"],
     ),
     "all solid": (wet(obs="nobs=1, iob(1)=1, zl(1)=-1.,"), ["bad.nml:15: &obs nobs=1", "obs1 fills the whole mesh"]),
     "first step": (wet(xput=FREE + "delt=5.,"), ["bad.nml:3: &xput delt=5.0", "longer than the run"]),

@@ -105,6 +105,16 @@ class MovingOpenings:
         self.settle()
         self._targets = [c.volume if _inside(c, self._mesh) else None for c in self._covers]
 
+    @property
+    def covers(self) -> list[BodyCover]:
+        """What each body covers in the pose last settled."""
+        return self._covers
+
+    @property
+    def still(self) -> Open:
+        """What the stationary solids leave open."""
+        return self._still
+
     def sweep(self, poses: Sequence[Pose], *, keep_mean: bool = False) -> Swept:
         """What the bodies touch on their way to new poses; sets `mean`, and leaves `open` as it is.
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from flowgmo.flow.favor.moving_openings import MovingOpenings
 from flowgmo.flow.favor.near_surface import Pose
+from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, closed_sum
 from flowgmo.flow.immersed.fresh import mean_around
@@ -69,6 +70,7 @@ class Immersed:
         self.fluxes: list[BodyFluxes] = []
         if with_fluxes:
             for shares, covered, place in zip(swept.shares, swept.covered, places, strict=True):
+                shares = self._narrowed(shares)
                 self.fluxes.append(body_fluxes(shares, covered, self.grid, self.centres, place))
         self.renew()
 
@@ -79,19 +81,39 @@ class Immersed:
         gap: jets, and blows on the body. So wide, the pressure around the body reaches it. What flows there is the
         pressure's alone: before it acts the liquid moves with the body, since friction would stop it at once.
         """
+        self.widened: list[dict[int, float]] = []  # for each direction, face -> by which the bodies' shares shrink
         for d, A in enumerate(self.open[1:]):
+            flat, faces = A.reshape(-1), []
             for lower in (0, 1):
                 at = self.cells.astype(np.intp)
                 at[:, d] -= lower
-                at = tuple(at.T)
-                A[at] = np.where((A[at] > 0.0) & (A[at] < NARROW), NARROW, A[at])
+                faces.append(np.ravel_multi_index(tuple(at.T), A.shape))
+            faces = np.unique(np.concatenate(faces))
+            faces = faces[(flat[faces] > 0.0) & (flat[faces] < NARROW)]
+            self.widened.append(dict(zip(faces.tolist(), (1.0 - NARROW) / (1.0 - flat[faces]), strict=True)))
+            flat[faces] = NARROW
+
+    def _narrowed(self, shares: Shares) -> Shares:
+        """A body's shares with A + sum of S = 1 on the widened faces too, so that it gets what the liquid loses."""
+        if not any(self.widened):
+            return shares
+        out = shares.faces.copy()
+        for d, faces in enumerate(self.widened):
+            for upper in (0, 1):
+                at = shares.cells.astype(np.intp)
+                at[:, d] -= 1 - upper
+                numbers = np.ravel_multi_index(tuple(at.T), self.open.V.shape)
+                out[:, 2 * d + upper] *= [faces.get(n, 1.0) for n in numbers.tolist()]
+        return shares._replace(faces=out)
 
     def _uncover_cells(self, flow: Flow) -> None:
-        """F of cells that were closed: of what is around them."""
-        if flow.F is None:
-            return
+        """F and p of cells that were closed: of what is around them."""
         closed = self.change.V0 == 0.0
         at = self.cells[closed]
+        mean, weight = mean_around(flow.p, self.covers.open.V, at)
+        flow.p[tuple(at.T)] = np.where(weight > 0.0, mean, 0.0)
+        if flow.F is None:
+            return
         inside = np.ones_like(flow.F[tuple(at.T)])
         mean, weight = mean_around(flow.F, self.covers.open.V, at)
         flow.F[tuple(at.T)] = np.where(weight > 0.0, mean, inside * 0.0)

@@ -64,6 +64,33 @@ class Probe:
     areas: np.ndarray
 
 
+class Standing:
+    """The Probe of a point among bodies that may move: found again where its surroundings have changed."""
+
+    def __init__(self, number: int, point: np.ndarray, block: Block, openings: Open) -> None:
+        self.number, self.point, self.block, self.openings = number, point, block, openings
+        near = [(min(at), max(at) + 1) for at in zip(*_own_cells(np.asarray(point, float), block), strict=True)]
+        self.column = tuple(slice(a + G, b + G) for a, b in near[:2])  # the height is read from all of it
+        around = [slice(a + G - 2, b + G + 1) for a, b in near]  # 3 x 3 x 3 cells, and the lower faces of these
+        self.boxes = (tuple(around), (*self.column, slice(None)))
+        self.probe, self.seen = find_probe(number, point, block, openings), self._surroundings()
+
+    def now(self) -> Probe:
+        """The Probe as it is at present."""
+        seen = self._surroundings()
+        if any(not np.array_equal(a, b) for a, b in zip(seen, self.seen, strict=True)) or self._is_far():
+            self.probe, self.seen = find_probe(self.number, self.point, self.block, self.openings), seen
+        return self.probe
+
+    def _surroundings(self) -> list[np.ndarray]:
+        return [a[box].copy() for a in self.openings if a is not None for box in self.boxes]
+
+    def _is_far(self) -> bool:
+        """Whether all cells around are closed, so that the probe reads one that it does not watch."""
+        V = self.openings.V
+        return V is not None and not V[self.boxes[0]].any()
+
+
 def find_probe(number: int, point: np.ndarray, block: Block, openings: Open) -> Probe:
     """The Probe of a point in (or beside) the domain. To be found again when the open fractions change."""
     point = np.asarray(point, dtype=float)

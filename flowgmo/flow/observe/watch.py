@@ -18,7 +18,7 @@ import numpy as np
 
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import Flow, G, Grid, Open
-from flowgmo.flow.observe.gauges import DUST, find_probe, read_probe
+from flowgmo.flow.observe.gauges import DUST, Standing, read_probe
 from flowgmo.flow.observe.loads import find_wall, pressure_load, shear_load
 from flowgmo.flow.observe.measures import total, volume_error
 from flowgmo.flow.observe.planes import find_gate, flow_through
@@ -37,13 +37,15 @@ Shear = Callable[[Flow], tuple[np.ndarray, np.ndarray]]  # places (m, 3) and for
 @dataclass(frozen=True)
 class Asked:
     """What the scene wants recorded: numbers and points (k, 3) of probes; names of bodies by number; walls: number of
-    a body -> its cells (m, 3) [with ghosts] and the shares (m, 6) of their faces; shear: number -> its shear forces."""
+    a body -> its cells (m, 3) [with ghosts] and the shares (m, 6) of their faces; shear: number -> its shear forces;
+    still: what solids that stand still leave open, None where nothing moves."""
 
     probe_numbers: Sequence[int]
     probe_points: np.ndarray
     names: Mapping[int, str]
     walls: Mapping[int, tuple[np.ndarray, np.ndarray]]
     shear: Mapping[int, Shear]
+    still: Open | None = None
 
 
 class Watch:
@@ -58,10 +60,11 @@ class Watch:
         self.cells = block.cells
         centres = [_with_ghosts(x) for x in block.planes]
         self.probes = [
-            find_probe(k, x, block, openings) for k, x in zip(asked.probe_numbers, asked.probe_points, strict=True)
+            Standing(k, x, block, openings) for k, x in zip(asked.probe_numbers, asked.probe_points, strict=True)
         ]
         self.gates = [(plane.number, find_gate(plane, block)) for plane in plan.planes]
-        self.walls = {n: find_wall(*wall, grid, openings, centres) for n, wall in asked.walls.items()}
+        still = openings if asked.still is None else asked.still
+        self.walls = {n: find_wall(*wall, grid, still, centres) for n, wall in asked.walls.items()}
         self._kept: tuple[int, Values] | None = None
 
     def at(self, step: int, flow: Flow, start: float, passed: np.ndarray) -> Values:
@@ -84,7 +87,7 @@ class Watch:
             out |= {f"boundaries/{SIDE_NAMES[s]}/volume": float(passed[s]) for s in open_sides}
         for number, gate in self.gates:
             out[f"planes/{number}/flow"] = flow_through(gate, flow, self.openings)
-        for probe in self.probes:
+        for probe in (standing.now() for standing in self.probes):
             values = read_probe(probe, flow, self.openings, self.grid.dz, plan.rho, self.gravity)
             values["p"] += plan.void_pressure
             out |= {f"probes/{probe.number}/{name}": value for name, value in values.items()}
@@ -113,7 +116,8 @@ def watch_of(
 ) -> Watch:
     """The Watch of a wet Model; walls and shear as in Asked."""
     names = {body.number: body.name for body in model.bodies}
-    asked = Asked(model.output.probe_numbers, model.output.probes, names, walls, shear)
+    still = liquid.immersed.covers.still if liquid.immersed is not None else None
+    asked = Asked(model.output.probe_numbers, model.output.probes, names, walls, shear, still)
     (block,) = model.mesh.blocks
     return Watch(model.fluid, block, liquid.grid, liquid.openings, model.gravity, liquid.team, asked)
 

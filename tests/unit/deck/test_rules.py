@@ -26,8 +26,8 @@ PROBLEMS = [
     ({"bcdata": "ibct(3)=7"}, "ibct(3)=7", "Write ibct(3)=1"),
     ({"bcdata": "ibct(1)=9,10,11"}, "ibct(1)=9", "(and 2 more)"),
     # dry or wet
-    ({"props": "rhof=1000."}, "rhof=1000.0", "imo(1)=4, are not computed yet. Remove rhof to run the bodies dry"),
-    ({"props": "rhof=1000.", "add_xput": "itb=1", "fl": "flht=.5, nfls=1"}, "rhof=1000.0", "rhof (and flht, nfls)"),
+    ({"props": "rhof=1000.", "add_xput": "impmob=0"}, "impmob=0", "one after the other"),
+    ({"props": "rhof=1000.", "add_xput": "igmres=0"}, "igmres=0", "relaxation of the pressure with bodies"),
     ({"fl": "flht=.5"}, "flht=0.5", "rhof"),
     ({"fl": "vlin=.5"}, "vlin=0.5", "rhof"),
     ({"fl": "nfls=1"}, "nfls=1", "rhof"),
@@ -159,15 +159,21 @@ def test_ignore_unsupported(read) -> None:
         flowgmo="ignore_unsupported=.true.",
         add_xput="ifsft=1, ifin=2,",
         props="rhof=1000.",
-        fl="flht=.5",
         bcdata="ibct(1)=9",
         obs="nobs=2, iob=1,2, xl=2*0., imo=2,3, nsprp=2",
     )
     assert sorted(notice.variable.partition("=")[0] for notice in deck.notices) == [
-        *("ibct(1)", "ifin", "ifsft", "imo(1)", "nsprp", "rhof"),
+        *("ibct(1)", "ifin", "ifsft", "imo(1)", "nsprp"),
     ]
     assert (deck["IFSFT"], deck["IFIN"], deck.at("IBCT", 1), deck.at("IMO", 1)) == (0, 1, 1, 0)
-    assert not deck.given("RHOF")
+    assert deck.given("RHOF")
+
+
+def test_ignoring_the_explicit_coupling(read) -> None:
+    """Where only prescribed bodies move there is nothing to couple, and decks of the vendor may say impmob=0."""
+    deck = read(props="rhof=1000.", add_xput="impmob=0,", flowgmo="ignore_unsupported=.true.")
+    assert deck["IMPMOB"] == 1 and [n.variable for n in deck.notices] == ["impmob"]
+    assert not read(props="rhof=1000.", add_xput="impmob=0,", obs="nobs=1, imo(1)=3, iob(1)=1, xl(1)=0.").notices
 
 
 def test_two_numbers_for_one_way(read) -> None:

@@ -1,0 +1,97 @@
+"""What of bodies that move in liquid the mesh does not see: notices, none of which stops a run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.bodies.body import COUPLED, Body
+from flowgmo.building.findings import Findings
+from flowgmo.mesh import Mesh
+
+SAMPLES = 16000  # points of a body's box; 10 ms for a few primitives. Volumes are known to about a hundredth then
+WALLS = 600  # of its points beside the surface, for thicknesses
+STEPS = 8  # along which a wall is looked through
+FEW = 0.05  # of the surface: beside edges any body is thin
+BEYOND = 1e-9  # of a body's size: what reaches out by less touches a side of the domain
+
+
+def check_wet_bodies(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> None:
+    """Notices: bodies that reach outside the domain, and those that are thinner than two cells."""
+    for body in bodies:
+        if not body.moves:
+            continue
+        points, inside = _points(body, mesh)
+        if body.kind == COUPLED:
+            _check_reach(found, body, mesh, points, inside)
+        _check_thickness(found, body, mesh, points[inside])
+
+
+def _points(body: Body, mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3) spread over a body's box, clipped to the domain where it has no end; which are inside it (n,)."""
+    low, high = body.shape.bounds()
+    low, high = np.where(np.isfinite(low), low, mesh.bounds[0]), np.where(np.isfinite(high), high, mesh.bounds[1])
+    n = 2 * int(0.5 * np.cbrt(SAMPLES))  # none of the points lies on a body's plane of symmetry
+    axes = [a + (b - a) * (np.arange(n) + 0.5) / n for a, b in zip(low, high, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return points, body.shape.distance(points) < 0.0
+
+
+def _check_reach(found: Findings, body: Body, mesh: Mesh, points: np.ndarray, inside: np.ndarray) -> None:
+    low, high = body.shape.bounds()
+    out = BEYOND * float(np.abs(mesh.bounds).max())
+    if (low >= mesh.bounds[0] - out).all() and (high <= mesh.bounds[1] + out).all() or not inside.any():
+        return
+    if not np.isfinite([low, high]).all():
+        found.notice(*_place(found, body), wrong=f"{body.name} has no end; liquid acts on it in the domain only")
+        return
+    seen = ((points >= mesh.bounds[0]) & (points <= mesh.bounds[1])).all(axis=1) & inside
+    whole = float(np.prod(high - low)) * inside.mean()
+    if not seen.any():
+        found.notice(
+            *_place(found, body), wrong=f"{body.name} lies outside the mesh at the start: there is no liquid",
+            write="Move it, if that is not meant",
+        )  # fmt: skip
+        return
+    found.notice(
+        *_place(found, body),
+        wrong=f"{body.name} reaches outside the domain: liquid acts on about "
+        f"{whole * seen.sum() / inside.sum():.3g} of its volume of about {whole:.3g}; its mass is that of all of it",
+        write="End it at the sides, or give its mass as a whole",
+    )  # fmt: skip
+
+
+def _check_thickness(found: Findings, body: Body, mesh: Mesh, points: np.ndarray) -> None:
+    """Look inwards from the surface: two cells deep everything should still be inside."""
+    planes, shape = mesh.blocks[0].planes, mesh.blocks[0].shape
+    there = np.array([n > 1 for n in shape])
+    points = points[((points >= mesh.bounds[0]) & (points <= mesh.bounds[1])).all(axis=1)]
+    if not len(points) or not there.any():
+        return
+    points = points[np.argsort(-body.shape.distance(points), kind="stable")[:WALLS]]  # those nearest to the surface
+    normal = body.shape.normal(points) * there
+    size = np.linalg.norm(normal, axis=1)
+    points, normal = points[size > 0.5], normal[size > 0.5] / size[size > 0.5, None]  # not those that look along z only
+    if not len(points):
+        return
+    at = [
+        np.clip(np.searchsorted(x, p, side="right") - 1, 0, len(x) - 2)
+        for x, p in zip(planes, points.T, strict=True)
+    ]  # fmt: skip
+    cells = np.column_stack([np.diff(x)[k] for x, k in zip(planes, at, strict=True)])
+    deep = 2.0 * (np.abs(normal) * cells).sum(axis=1)
+    surface = points - body.shape.distance(points)[:, None] * normal
+    thick = np.full(len(points), np.inf)
+    for k in range(STEPS, 0, -1):
+        beyond = body.shape.distance(surface - (k / STEPS * deep)[:, None] * normal) > 0.0
+        thick[beyond] = 2.0 * k / STEPS
+    if np.isfinite(thick).mean() > FEW:
+        found.notice(
+            *_place(found, body),
+            wrong=f"parts of {body.name} are thinner than two cells ({thick.min():.2g} of a cell at the thinnest): "
+            "liquid before and behind them shares cells, so that differences of pressure across them are lost",
+            write="Write smaller cells there",
+        )  # fmt: skip
+
+
+def _place(found: Findings, body: Body) -> tuple:
+    return ("OBSID", body.number) if found.deck.given("OBSID", body.number) else ("IMO", body.number)

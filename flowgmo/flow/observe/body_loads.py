@@ -1,0 +1,74 @@
+"""Load of the liquid on bodies that move, and what of them is wet.
+
+    force, torque = J^T p  +  lift        over the cells of the pressure equation (immersed/body_fluxes.py), about B
+
+p is that of the step, which makes the velocities of its end: the load is the mean over the step, and for a body that
+the pressure moves it is what changed its velocity, M (U_new - U*) / dt and the lift, which is in U*. The liquid gets
+the opposite to rounding. On a face of its open part A S the pressure makes
+
+    rho A S h du = - dt A S (p_upper - p_lower)        whose sum is  dt sum of p (A_upper - A_lower) S  =  - dt J^T p
+
+in the cells of a body (A + sum of S_b = 1), and gravity acts on the halves of faces, (A_upper + A_lower) / 2 of each
+cell, in place of the volume V: the difference is - lift.
+
+    wetted area = sum of |a| F        a: area of the wall in a cell, F its liquid
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from flowgmo.flow.favor.body_cover import BodyCover
+from flowgmo.flow.favor.shares import Shares
+from flowgmo.flow.fields import Flow, Grid
+from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, weight_of_displaced
+
+
+class BodyLoads(NamedTuple):
+    """Of the liquid on k bodies: force and torque about B (k, 6) [force, torque] by pressure and by shear; shear None
+    where no viscosity acts on them."""
+
+    pressure: np.ndarray
+    shear: np.ndarray | None
+
+    @property
+    def total(self) -> np.ndarray:
+        """(k, 6)."""
+        return self.pressure if self.shear is None else self.pressure + self.shear
+
+
+def pressure_loads(
+    fluxes: list[BodyFluxes], liquid: np.ndarray, p: np.ndarray, rho: float, g: np.ndarray
+) -> np.ndarray:
+    """(k, 6) of each body's fluxes; liquid (mesh): not 0 in cells of the equation, p (mesh) [mass/length/time2]."""
+    out = np.zeros((len(fluxes), 6))
+    flat, pressure = liquid.reshape(-1), p.reshape(-1)
+    for load, one in zip(out, fluxes, strict=True):
+        wet = flat[one.cells] != 0.0
+        # a sum of rows in a fixed order: what BLAS takes depends on its threads
+        load[:] = (one.J[wet] * pressure[one.cells[wet], None]).sum(axis=0) + weight_of_displaced(one, wet, rho, g)
+    return out
+
+
+def resting_fluxes(cover: BodyCover, grid: Grid, centres: list[np.ndarray], place: np.ndarray) -> BodyFluxes:
+    """The fluxes of a body that stays where it is, B at place (3,)."""
+    cells = np.column_stack(np.unravel_index(cover.numbers, [len(c) for c in centres])).astype(np.int32)
+    return body_fluxes(Shares(cells, cover.shares[:, :6]), cover.shares[:, 6], grid, centres, place)
+
+
+def wetted_area(cover: BodyCover, flow: Flow, V: np.ndarray, grid: Grid) -> float:
+    """[length2] of the wall of a body that liquid touches."""
+    shape = flow.p.shape
+    area = np.linalg.norm(wall_areas(cover, shape, grid), axis=1)
+    wet = V.reshape(-1)[cover.numbers] > 0.0
+    F = 1.0 if flow.F is None else flow.F.reshape(-1)[cover.numbers].clip(0.0, 1.0)
+    return float((area * wet * F).sum())
+
+
+def wall_areas(cover: BodyCover, shape: tuple, grid: Grid) -> np.ndarray:
+    """(n, 3) [length2] of the wall in each of the cover's cells, into the body."""
+    dx, dy, dz = (d[k] for d, k in zip(grid[:3], np.unravel_index(cover.numbers, shape), strict=True))
+    upper, lower = cover.shares[:, 1:6:2], cover.shares[:, 0:6:2]
+    return (upper - lower) * np.column_stack([dy * dz, dz * dx, dx * dy])
