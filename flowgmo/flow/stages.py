@@ -62,7 +62,7 @@ def _advance(liquid: Liquid, old: list, F: np.ndarray | None, share: float, dt: 
         if a is not None:
             liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], u, a, share * dt, out)
     if liquid.immersed is not None:
-        liquid.immersed.hold(new)
+        liquid.immersed.hold(new, [g * dt for g in liquid.gravity])
     liquid.sides.let_out(old, new, dt, F)
     if liquid.momentum.implicit:
         liquid.sides.fill_velocity(new)

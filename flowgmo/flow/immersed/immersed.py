@@ -132,7 +132,8 @@ class Immersed:
             around, weight = mean_around(u, (before > 0.0) if len(at) else before, at)
             u[tuple(at.T)] = np.where(weight > 0.0, around, speed[opens])
             shut = mean[faces] <= NARROW
-            self.held.append((tuple(f[shut] for f in faces), speed[shut]))
+            faces = tuple(f[shut] for f in faces)
+            self.held.append((faces, speed[shut], mean[faces] > 0.0))
 
     def _covered_faces(self, d: int, places: np.ndarray, velocities: np.ndarray) -> tuple[tuple, np.ndarray]:
         """Index of the faces along d that bodies cover (wholly or in part), and the bodies' velocity there."""
@@ -149,11 +150,12 @@ class Immersed:
         at, speed = np.concatenate(found), np.concatenate(speeds)
         return tuple(at.T), speed
 
-    def hold(self, velocity: Sequence[np.ndarray | None]) -> None:
-        """Closed and narrow faces have the velocity of the body that covers them."""
-        for u, held in zip(velocity, self.held, strict=True):
+    def hold(self, velocity: Sequence[np.ndarray | None], pull: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Closed and narrow faces have the velocity of the body that covers them; narrow ones also what gravity adds,
+        pull [length/time], for without it water at rest would rise in gaps."""
+        for u, held, g in zip(velocity, self.held, pull, strict=True):
             if u is not None:
-                u[held[0]] = held[1]
+                u[held[0]] = held[1] + g * held[2]
 
     def fill_short(self, columns: np.ndarray, F: np.ndarray | None) -> None:
         """Cells of columns that lack a little are full in F until `restore_short` (short_cells.py)."""

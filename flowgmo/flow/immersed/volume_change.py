@@ -22,7 +22,7 @@ class VolumeChange:
 
     def __init__(self, rows: tuple, V0: np.ndarray, V1: np.ndarray, V: np.ndarray) -> None:
         self.rows, self.V0, self.V1, self.V = rows, V0, V1, V
-        self.most = np.maximum(V0, V1)
+        self.most = np.maximum(np.maximum(V0, V1), V[rows])  # V: of where the body was expected
         V[rows] = self.most
 
     def stretch(self, F: np.ndarray) -> None:

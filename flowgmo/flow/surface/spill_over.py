@@ -38,7 +38,7 @@ def _appetite(V, liquid, much):
     """
     if much:
         return V * (max(V - max(liquid, 0.0), 0.0) + ANYWAY * V)
-    return max(liquid, 0.0)
+    return max(liquid, 0.0) if V > 0.0 else 0.0  # a cell that closes gives all it has already
 
 
 @inner
