@@ -19,9 +19,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from flowgmo.bodies.arrays import DRIVEN, HINGED, STILL, pack
+from flowgmo.bodies.arrays import DRIVEN, STILL, pack
 from flowgmo.bodies.body import ControlLoads, Table
 from flowgmo.bodies.energy import rotation_matrices
+from flowgmo.bodies.inverse_masses import block_diagonal, inverse_masses, turned
 from flowgmo.bodies.kicks import control_loads_at, kick
 from flowgmo.bodies.laws import Laws
 from flowgmo.bodies.move import move_alone
@@ -29,12 +30,13 @@ from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.immersed.added_mass import added_mass, wet_inverse
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, weight_of_displaced
-from flowgmo.flow.immersed.contact_rows import Rows, constrain, rows_of_contacts
+from flowgmo.flow.immersed.contact_rows import constrain, rows_of_contacts
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.liquid import Liquid
 from flowgmo.model import Model
 from flowgmo.pressed import explained
 from flowgmo.state import State
+from flowgmo.wet_contacts import Contacts, slip_of
 from flowgmo.wet_loads import WetLoads
 
 TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
@@ -247,43 +249,10 @@ class WetBodies:
         return [Pose(*one) for one in zip(R, t, strict=True)]
 
 
-class Contacts:
-    """Held contacts of a step and which of them press. rows: contact_rows.Rows; mu (k,); active (k,) bool."""
-
-    def __init__(self, rows: Rows, mu: np.ndarray, active: np.ndarray) -> None:
-        self.rows, self.mu, self.active = rows, mu, active.copy()
-
-    def pressed(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows and right-hand sides of those that press."""
-        return self.rows.pressed(self.active)
-
-    def look(self, U: np.ndarray, free: np.ndarray, inverse: np.ndarray, slack: float) -> bool:
-        """Let go what pulls or slips, take up what approaches; whether anything changed.
-
-        U, free (6 n,): velocities with and without the contacts' impulses; inverse: of constrain; slack [length/time].
-        """
-        rows, speed = self.pressed()
-        impulse = -inverse @ (rows @ free - speed)
-        count, rub = int(self.active.sum()), self.active & self.rows.stuck
-        normal, sides = impulse[:count], impulse[count:].reshape(-1, 2)
-        new, stuck = self.active.copy(), self.rows.stuck.copy()
-        new[np.flatnonzero(self.active)[normal < -1e-9 * np.abs(normal).max(initial=0.0)]] = False
-        of_rub = normal[np.flatnonzero(rub[self.active])]
-        stuck[np.flatnonzero(rub)[np.linalg.norm(sides, axis=1) > self.mu[rub] * np.maximum(of_rub, 0.0)]] = False
-        approach = self.rows.normal @ U - self.rows.speed
-        new |= ~self.active & (approach < -slack)
-        changed = bool((new != self.active).any() or (stuck != self.rows.stuck).any())
-        self.active, self.rows = new, self.rows._replace(stuck=stuck)
-        return changed
-
-
-def slip_of(
-    velocity: np.ndarray, place: np.ndarray, a: np.ndarray, b: np.ndarray, point: np.ndarray, normal: np.ndarray
-) -> np.ndarray:
-    """(k,) speeds along the surface of contacts between parties a and b of given velocity (p, 6) and place (p, 3)."""
-    at = [velocity[s, :3] + np.cross(velocity[s, 3:], point - place[s]) for s in (a, b)]
-    v = at[0] - at[1]
-    return np.linalg.norm(v - (v * normal).sum(axis=1)[:, None] * normal, axis=1)
+def _reach(shape: object, origin: np.ndarray) -> float:
+    """Farthest point of a shape from `origin` [length], at most; inf where it has no end."""
+    low, high = shape.bounds()
+    return float(np.linalg.norm(np.maximum(np.abs(low - origin), np.abs(high - origin))))
 
 
 def pack_with_loads(model: Model) -> tuple[np.ndarray, Laws | None]:
@@ -292,69 +261,3 @@ def pack_with_loads(model: Model) -> tuple[np.ndarray, Laws | None]:
     load = ControlLoads((some,) * 3, (some,) * 3, in_body_axes=False)
     bodies = tuple(replace(body, loads=load) if body.coupled else body for body in model.bodies)
     return pack(bodies, model.gravity)
-
-
-def block_diagonal(blocks: np.ndarray) -> np.ndarray:
-    """(6 n, 6 n) of blocks (n, 6, 6)."""
-    n = len(blocks)
-    out = np.zeros((n, 6, n, 6))
-    out[np.arange(n), :, np.arange(n)] = blocks
-    return out.reshape(6 * n, 6 * n)
-
-
-def turned(q: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """q (4,) turned by the rotation vector angle (3,) in space axes."""
-    size = float(np.linalg.norm(angle))
-    s = 0.5 * np.sinc(0.5 * size / np.pi)  # sin(size / 2) / size
-    a, (b, c, d) = np.cos(0.5 * size), s * angle
-    w, x, y, z = q
-    new = np.array([
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y - b * z + c * w + d * x,
-        a * z + b * y - c * x + d * w,
-    ])  # fmt: skip
-    return new / np.linalg.norm(new)
-
-
-def inverse_masses(bodies: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """(b, 6, 6): changes of velocity of B and spin (space axes) by an impulse and its moment about B; zero for what is
-    prescribed, or held at a stop."""
-    out = np.zeros((len(bodies), 6, 6))
-    R = rotation_matrices(rows["q"])
-    for M, body, row, turn in zip(out, bodies, rows, R, strict=True):
-        arm = turn @ body["arm"]
-        if body["motion"] == HINGED:
-            if not row["hold"][3]:
-                g = np.concatenate([np.cross(body["axis"], arm), body["axis"]])
-                M[...] = np.outer(g, g) / body["hinge_moment"]
-            continue
-        free = body["coupled"].astype(bool) & ~np.concatenate([row["hold"][:3] != 0, np.zeros(3, bool)])
-        inertia = body["inertia"]
-        if body["hinge"] == 2:
-            a = body["arm"]
-            inertia = inertia + body["mass"] * (a @ a * np.eye(3) - np.outer(a, a))
-        spin = np.zeros((3, 3))
-        F = np.flatnonzero(free[3:])
-        if len(F):
-            spin[np.ix_(F, F)] = np.linalg.inv(inertia[np.ix_(F, F)])
-        spin = turn @ spin @ turn.T
-        if body["hinge"] == 2:
-            G = np.vstack([_times(arm), np.eye(3)])  # v = w x arm = - arm x w
-            M[...] = G @ spin @ G.T
-        else:
-            M[:3, :3] = np.diag(free[:3] / body["mass"])
-            M[3:, 3:] = spin
-    return out
-
-
-def _times(arm: np.ndarray) -> np.ndarray:
-    """The matrix of w -> w x arm."""
-    x, y, z = arm
-    return np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-
-
-def _reach(shape: object, origin: np.ndarray) -> float:
-    """Farthest point of a shape from `origin` [length], at most; inf where it has no end."""
-    low, high = shape.bounds()
-    return float(np.linalg.norm(np.maximum(np.abs(low - origin), np.abs(high - origin))))

@@ -1,0 +1,46 @@
+"""Which of the contacts that bodies keep press, while the pressure is found (flow/immersed/contact_rows.py)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowgmo.flow.immersed.contact_rows import Rows
+
+
+class Contacts:
+    """Held contacts of a step and which of them press. rows: contact_rows.Rows; mu (k,); active (k,) bool."""
+
+    def __init__(self, rows: Rows, mu: np.ndarray, active: np.ndarray) -> None:
+        self.rows, self.mu, self.active = rows, mu, active.copy()
+
+    def pressed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows and right-hand sides of those that press."""
+        return self.rows.pressed(self.active)
+
+    def look(self, U: np.ndarray, free: np.ndarray, inverse: np.ndarray, slack: float) -> bool:
+        """Let go what pulls or slips, take up what approaches; whether anything changed.
+
+        U, free (6 n,): velocities with and without the contacts' impulses; inverse: of constrain; slack [length/time].
+        """
+        rows, speed = self.pressed()
+        impulse = -inverse @ (rows @ free - speed)
+        count, rub = int(self.active.sum()), self.active & self.rows.stuck
+        normal, sides = impulse[:count], impulse[count:].reshape(-1, 2)
+        new, stuck = self.active.copy(), self.rows.stuck.copy()
+        new[np.flatnonzero(self.active)[normal < -1e-9 * np.abs(normal).max(initial=0.0)]] = False
+        of_rub = normal[np.flatnonzero(rub[self.active])]
+        stuck[np.flatnonzero(rub)[np.linalg.norm(sides, axis=1) > self.mu[rub] * np.maximum(of_rub, 0.0)]] = False
+        approach = self.rows.normal @ U - self.rows.speed
+        new |= ~self.active & (approach < -slack)
+        changed = bool((new != self.active).any() or (stuck != self.rows.stuck).any())
+        self.active, self.rows = new, self.rows._replace(stuck=stuck)
+        return changed
+
+
+def slip_of(
+    velocity: np.ndarray, place: np.ndarray, a: np.ndarray, b: np.ndarray, point: np.ndarray, normal: np.ndarray
+) -> np.ndarray:
+    """(k,) speeds along the surface of contacts between parties a and b of given velocity (p, 6) and place (p, 3)."""
+    at = [velocity[s, :3] + np.cross(velocity[s, 3:], point - place[s]) for s in (a, b)]
+    v = at[0] - at[1]
+    return np.linalg.norm(v - (v * normal).sum(axis=1)[:, None] * normal, axis=1)
