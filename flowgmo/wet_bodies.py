@@ -89,15 +89,8 @@ class WetBodies:
 
     def expect(self, flow: object, motion: np.ndarray, t0: float, t1: float) -> None:
         """Open fractions for the step from motion (n,) POSE at t0 to where the bodies are expected at t1."""
-        then = motion.copy()
-        dt = t1 - t0
-        self._drive(then, t0, t1)
-        for b in self.coupled:
-            then["p"][b] += dt * motion["v"][b]
-            then["q"][b] = turned(motion["q"][b], dt * motion["w"][b])
-            if self.arrays[b]["hinge"]:
-                arm = rotation_matrices(then["q"][b : b + 1])[0] @ self.arrays[b]["arm"]
-                then["p"][b] = self.arrays[b]["point"] + arm
+        dt, then = t1 - t0, self._expected(motion, t0, t1)
+        middle = self._expected(motion, t0, 0.5 * (t0 + t1))
         m = self.movers
         speed = self._speed(then["v"][m], then["w"][m])
         ways = np.linalg.norm(then["p"][m] - motion["p"][m], axis=1)  # a jump within the step may be over at its end
@@ -106,9 +99,21 @@ class WetBodies:
             raise StepTooLong(f"a body crosses {way / self.cell:.3g} of a cell in a step")
         places = 0.5 * (motion["p"][m] + then["p"][m])
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
-        self.liquid.immersed.begin(flow, self.poses(then), places, self.velocities, with_fluxes=True)
+        self.liquid.immersed.begin(flow, self.poses(then), self.poses(middle), places, self.velocities)
         self.liquid.find_columns(flow.F)
         self.liquid.immersed.fill_short(self.liquid.near, flow.F)
+
+    def _expected(self, motion: np.ndarray, t0: float, t1: float) -> np.ndarray:
+        """motion (n,) POSE at t1: prescribed bodies as they will be, others as they move now."""
+        then = motion.copy()
+        self._drive(then, t0, t1)
+        for b in self.coupled:
+            then["p"][b] += (t1 - t0) * motion["v"][b]
+            then["q"][b] = turned(motion["q"][b], (t1 - t0) * motion["w"][b])
+            if self.arrays[b]["hinge"]:
+                arm = rotation_matrices(then["q"][b : b + 1])[0] @ self.arrays[b]["arm"]
+                then["p"][b] = self.arrays[b]["point"] + arm
+        return then
 
     def _drive(self, then: np.ndarray, t0: float, t1: float) -> None:
         """Prescribed bodies of then (n,) POSE at t0 come to t1."""

@@ -173,29 +173,3 @@ def scale_shares(at, shares, still, total, opened, out):
         for part in range(7):
             covered = total[c, part] + (1.0 - still[c, part])
             out[r, part] = (1.0 - opened[c, part]) * (shares[r, part] / covered) if shares[r, part] > 0.0 else 0.0
-
-
-@kernel
-def mean_shares(at0, shares0, at1, shares1, wanted, at, out):
-    """Mean of the shares (., 7) of one body now and then, in all wanted (n,) cells where it has any; their count.
-
-    out (., 7): six faces in the mean, and the volume as it is now.
-    """
-    count = np.int64(0)
-    a = np.int64(0)
-    b = np.int64(0)
-    while a < len(at0) or b < len(at1):
-        here = at0[a] if a < len(at0) else at1[b]
-        if b < len(at1):
-            here = min(here, at1[b])
-        now = a < len(at0) and at0[a] == here
-        then = b < len(at1) and at1[b] == here
-        if wanted[here]:
-            at[count] = here
-            for part in range(6):
-                out[count, part] = 0.5 * ((shares0[a, part] if now else 0.0) + (shares1[b, part] if then else 0.0))
-            out[count, 6] = shares0[a, 6] if now else 0.0
-            count += 1
-        a += now
-        b += then
-    return count

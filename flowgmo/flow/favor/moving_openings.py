@@ -115,10 +115,13 @@ class MovingOpenings:
         """What the stationary solids leave open."""
         return self._still
 
-    def sweep(self, poses: Sequence[Pose], *, keep_mean: bool = False) -> Swept:
+    def sweep(self, poses: Sequence[Pose], *, middle: Sequence[Pose] | None = None, keep_mean: bool = False) -> Swept:
         """What the bodies touch on their way to new poses; sets `mean`, and leaves `open` as it is.
 
-        May be called again with other poses: the mean is then that of now and the newest, or, keep_mean, stays.
+        middle: the poses halfway; the mean is then 1/6, 4/6, 1/6 of now, the middle, then (Simpson), without it half of
+        now and half of then. A body that moves with the stream lets it pass as it is only as far as the mean over time
+        is exact. May be called again with other poses: the mean is then that of now and the newest, or, keep_mean,
+        stays.
         """
         pending = self._pending
         if pending is not None and all(_same(a, b) for a, b in zip(poses, pending.poses, strict=True)):
@@ -126,7 +129,8 @@ class MovingOpenings:
         covers = [self._cover(b, pose) for b, pose in enumerate(poses)]
         if pending is not None and not keep_mean:
             self._put(self.mean, pending.cells, pending.now)
-        cells, rows0, rows1 = self._touched(covers)
+        halfway = None if middle is None else [self._cover(b, pose) for b, pose in enumerate(middle)]
+        cells, rows0, rows1, rows_m = self._touched(covers, halfway)
         if keep_mean:
             self._left = self._left or pending
             kept = np.empty((len(cells), 7))
@@ -139,9 +143,17 @@ class MovingOpenings:
         then = self._left_open(cells, still, rows1, total1, most, poses)
         mean, wanted = np.empty((len(cells), 7)), np.empty(len(cells), bool)
         covered_cells.mean_open(now, then, mean, wanted)
-        self._put(self.mean, cells, kept if keep_mean else mean)
         parts = [_Part(still, total0, now), _Part(still, total1, then)]
-        shares = tuple(_mean_shares(cells, wanted, *pair, parts) for pair in zip(rows0, rows1, strict=True))
+        times = [rows0, rows1]
+        if rows_m is not None:
+            total_m, most = _sum(rows_m, len(cells))
+            between = self._left_open(cells, still, rows_m, total_m, most, middle)
+            mean = (2.0 * mean + 4.0 * between) / 6.0
+            wanted |= (mean[:, :6] > 0.0).any(axis=1)
+            parts.append(_Part(still, total_m, between))
+            times.append(rows_m)
+        self._put(self.mean, cells, kept if keep_mean else mean)
+        shares = tuple(_mean_shares(cells, wanted, of_body, parts) for of_body in zip(*times, strict=True))
         volume = np.array([[a.volume, b.volume] for a, b in zip(self._covers, covers, strict=True)]).reshape(-1, 2)
         shares, covered = (tuple(s[k] for s in shares) for k in (0, 1))
         swept = Swept(cells[wanted], now[wanted, 6], then[wanted, 6], shares, covered, volume)
@@ -192,9 +204,11 @@ class MovingOpenings:
             return found
         return keep_volume(self._mesh, found, target)
 
-    def _touched(self, covers: list[BodyCover]) -> tuple[np.ndarray, list[_Rows], list[_Rows]]:
-        """Cells (n, 3) that bodies touch now or then, but for those inside one body both times; its rows in both."""
-        lists = [np.zeros(0, np.int64)]
+    def _touched(
+        self, covers: list[BodyCover], halfway: list[BodyCover] | None
+    ) -> tuple[np.ndarray, list[_Rows], list[_Rows], list[_Rows] | None]:
+        """Cells (n, 3) that bodies touch now, halfway or then, but for those inside one body all the time; its rows."""
+        lists = [np.zeros(0, np.int64), *(c.numbers for c in halfway or ())]
         for a, b in zip(self._covers, covers, strict=True):
             lists += [a.numbers] if a is b else [a.numbers, b.numbers, covered_cells.runs_apart(a.runs, b.runs)]
         union = covered_cells.united(lists)
@@ -202,7 +216,12 @@ class MovingOpenings:
         covered_cells.cells_of(union, self._mesh.shape, cells)
         now = [_rows(union, a) for a in self._covers]
         then = [r if a is b else _rows(union, b) for a, b, r in zip(self._covers, covers, now, strict=True)]
-        return cells, now, then
+        between = (
+            None
+            if halfway is None
+            else [r if a is b else _rows(union, b) for a, b, r in zip(self._covers, halfway, now, strict=True)]
+        )
+        return cells, now, then, between
 
     def _left_open(
         self,
@@ -256,16 +275,22 @@ def _inside(cover: BodyCover, mesh: CoverMesh) -> bool:
 
 
 def _mean_shares(
-    cells: np.ndarray, wanted: np.ndarray, now: _Rows, then: _Rows, parts: list[_Part]
+    cells: np.ndarray, wanted: np.ndarray, times: tuple[_Rows, ...], parts: list[_Part]
 ) -> tuple[Shares, np.ndarray]:
-    """Mean shares of one body in the wanted cells (n,) where it is now or then, and of their volumes (m,) now."""
-    faces = []
-    for rows, part in zip((now, then), parts, strict=True):
-        faces.append(np.empty((len(rows.at), 7)))
-        covered_cells.scale_shares(*rows, *part, faces[-1])
-    at, out = np.empty(len(now.at) + len(then.at), np.int64), np.empty((len(now.at) + len(then.at), 7))
-    n = covered_cells.mean_shares(now.at, faces[0], then.at, faces[1], wanted, at, out)
-    return Shares(cells[at[:n]], out[:n, :6].copy()), out[:n, 6].copy()
+    """Mean shares of one body in the wanted cells (n,), and of their volumes (m,) now. times, parts: now, then, and the
+    middle where it is known."""
+    weights = (0.5, 0.5) if len(times) == 2 else (1.0 / 6.0, 1.0 / 6.0, 4.0 / 6.0)
+    at = covered_cells.united([rows.at for rows in times])
+    faces, covered = np.zeros((len(at), 6)), np.zeros(len(at))
+    for n, (rows, part, weight) in enumerate(zip(times, parts, weights, strict=True)):
+        shares = np.empty((len(rows.at), 7))
+        covered_cells.scale_shares(*rows, *part, shares)
+        where = np.searchsorted(at, rows.at)
+        faces[where] += weight * shares[:, :6]
+        if n == 0:
+            covered[where] = shares[:, 6]
+    some = wanted[at]
+    return Shares(cells[at[some]], faces[some]), covered[some]
 
 
 def _rows(union: np.ndarray, cover: BodyCover) -> _Rows:
