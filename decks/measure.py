@@ -19,6 +19,7 @@ sys.path.insert(0, str(DECKS))  # the tests load this file by its path
 
 from curves import Curves, body_axes, drift, energy_added, first_hit  # noqa: E402
 from measure_hard import hard  # noqa: E402
+from measure_settling import settling  # noqa: E402
 from measure_viscous import cavity, cylinder, poiseuille  # noqa: E402
 from measure_wet import dam_break, martin_moyce, ritter, sloshing, still_water, wall_impact  # noqa: E402
 
@@ -189,7 +190,7 @@ def rocking(curves: Curves) -> dict[str, float]:
 
 _ALL = (central, anvil, top, pendulum, piston, billiards, chain, plane, rack, pool, domino, stack, incline, hard)
 _FREE = (dam_break, still_water, sloshing, martin_moyce, wall_impact, ritter)
-WET = {case.__name__: case for case in (*_FREE, cavity, poiseuille, cylinder)}
+WET = {case.__name__: case for case in (*_FREE, cavity, poiseuille, cylinder, settling)}
 CASES = {case.__name__: case for case in _ALL}
 
 

@@ -124,7 +124,7 @@ def _stages_with_bodies(
     wet = WetBodies(model, arrays, laws, liquid)
 
     def expect(world: World, state: State, t1: float, room: Room) -> None:
-        wet.expect(state.fluid, room.motion, state.t, t1)
+        wet.expect(state.fluid, room.motion, state.t, t1, state.held_parts)
 
     def project(world: World, state: State, t1: float, room: Room) -> None:
         dt = t1 - state.t
@@ -135,7 +135,7 @@ def _stages_with_bodies(
             raise wet.explained(error) from error
         liquid.immersed.restore_short()
         wet.finish(liquid.projector.q, room.motion, room.rows)
-        wet.records.note(liquid.p)
+        wet.records.note(liquid.p, wet.shear_loads() if wet.friction is not None else None)
 
     def arrive(world: World, state: State, t1: float, room: Room) -> None:
         liquid.immersed.arrive(wet.poses(room.motion))

@@ -1,7 +1,8 @@
 """Bodies that move in the liquid: where the step expects them, how the pressure moves them, where they arrive.
 
     expect    poses at the end of the step, were there no pressure to come: prescribed ones as they will be
-    kick      velocities of coupled bodies by gravity, control loads, and the water at rest that they displace
+    kick      velocities of coupled bodies by gravity, control loads, the liquid's friction, and the water at rest that
+              they displace
     couple    the same after the pressure
     arrive    open volumes at the poses that the motion of the bodies (with impacts) has reached
 
@@ -32,6 +33,7 @@ from flowgmo.flow.immersed.added_mass import added_mass, wet_inverse
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, weight_of_displaced
 from flowgmo.flow.immersed.contact_rows import constrain, rows_of_contacts
 from flowgmo.flow.immersed.coupling import Coupling
+from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.liquid import Liquid
 from flowgmo.model import Model
 from flowgmo.pressed import explained
@@ -64,10 +66,12 @@ class WetBodies:
             model.mesh.blocks[0].planes, model.mesh.blocks[0].shape, strict=True
         ) if n > 1)  # fmt: skip
         self.velocities = np.zeros((len(self.movers), 6))
+        liquid.immersed.weight = model.fluid.rho * np.asarray(model.gravity)
         self.coupling: Coupling | None = None
         self.wet: list[int] = []
         self.records = WetLoads(arrays, laws, self.movers, self.driven, liquid, pushed=self.loaded)
         self.names = [body.name for body in model.moving]
+        self.friction: Friction | None = None
 
     # ---- the length of a step
 
@@ -87,8 +91,9 @@ class WetBodies:
 
     # ---- stages
 
-    def expect(self, flow: object, motion: np.ndarray, t0: float, t1: float) -> None:
-        """Open fractions for the step from motion (n,) POSE at t0 to where the bodies are expected at t1."""
+    def expect(self, flow: object, motion: np.ndarray, t0: float, t1: float, held: np.ndarray) -> None:
+        """Open fractions for the step from motion (n,) POSE at t0 to where the bodies are expected at t1. held:
+        parties (k, 2) of the contacts that are kept."""
         dt, then = t1 - t0, self._expected(motion, t0, t1)
         middle = self._expected(motion, t0, 0.5 * (t0 + t1))
         m = self.movers
@@ -101,6 +106,7 @@ class WetBodies:
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
         self.liquid.immersed.begin(flow, self.poses(then), self.poses(middle), places, self.velocities)
         self.liquid.find_columns(flow.F)
+        self._meet_walls(flow, motion, t0, t1, places, held)
         self.liquid.immersed.fill_short(self.liquid.near, flow.F)
 
     def _expected(self, motion: np.ndarray, t0: float, t1: float) -> np.ndarray:
@@ -114,6 +120,52 @@ class WetBodies:
                 arm = rotation_matrices(then["q"][b : b + 1])[0] @ self.arrays[b]["arm"]
                 then["p"][b] = self.arrays[b]["point"] + arm
         return then
+
+    def _meet_walls(
+        self, flow: object, motion: np.ndarray, t0: float, t1: float, places: np.ndarray, held: np.ndarray
+    ) -> None:
+        """The liquid's friction on the walls of the bodies in this step (flow/immersed/friction.py)."""
+        self.friction = None
+        momentum, immersed = self.liquid.momentum, self.liquid.immersed
+        if momentum.operators is None or not self.liquid.plan.no_slip:
+            return
+        m, dt = self.movers, t1 - t0
+        now = np.hstack([motion["v"][m], motion["w"][m]])
+        share = 1.0 if momentum.implicit else 0.5  # of the prescribed velocities at the end: the mean of the stages
+        U0 = np.where(np.isin(m, self.driven)[:, None], now + share * (self.velocities - now), now)
+        W = np.zeros((len(m), 6, 6))
+        at = np.array([self.place[int(b)] for b in self.coupled], dtype=np.int64)
+        if len(at):
+            W[at] = inverse_masses(self.arrays[self.coupled], motion[self.coupled])
+            resting = np.isin(self.coupled, held)  # what holds them up is not known yet
+            U0[at[~resting]] = self._foreseen(flow, motion, t0, t1, W)[at[~resting]]
+        self.friction = immersed.friction(momentum, self.liquid.plan.mu, flow.F, places, U0, W, dt)
+
+    def _foreseen(self, flow: object, motion: np.ndarray, t0: float, t1: float, W: np.ndarray) -> np.ndarray:
+        """(movers, 6): velocities at t1 by gravity, control loads, and the pressure as it is now, without friction.
+
+        Of the state alone, so that a restart goes on with the same bits.
+        """
+        after, loads = motion.copy(), self._loads_by_pressure(flow)
+        kick(self.coupled, self.arrays, self.laws, after, t0, t1)
+        U = np.hstack([after["v"][self.movers], after["w"][self.movers]])
+        return U + (t1 - t0) * np.einsum("bij,bj->bi", W, loads)
+
+    def _loads_by_pressure(self, flow: object) -> np.ndarray:
+        """(movers, 6) of the pressure as it is, on the coupled bodies."""
+        loads, rho = np.zeros((len(self.movers), 6)), self.model.fluid.rho
+        p, F = flow.p.reshape(-1), None if flow.F is None else flow.F.reshape(-1)
+        for b in self.coupled:
+            k = self.place[int(b)]
+            fluxes = self.liquid.immersed.fluxes[k]
+            liquid = np.ones(len(fluxes.cells), bool) if F is None else F[fluxes.cells] >= 0.5  # as loads.pressure_load
+            pressed = fluxes.J[liquid].T @ p[fluxes.cells[liquid]]
+            loads[k] = pressed + weight_of_displaced(fluxes, liquid, rho, self.model.gravity)
+        return loads
+
+    def shear_loads(self) -> np.ndarray:
+        """(movers, 6): force and moment about B of the liquid's friction in this step, the mean; zero without."""
+        return np.zeros((len(self.movers), 6)) if self.friction is None else self.friction.loads
 
     def _drive(self, then: np.ndarray, t0: float, t1: float) -> None:
         """Prescribed bodies of then (n,) POSE at t0 come to t1."""
@@ -130,9 +182,11 @@ class WetBodies:
         self.dt, self.middle, self.wet = t1 - t0, 0.5 * (t0 + t1), []
         self.flying[:] = self.unloaded
         F = None if flow.F is None else flow.F.reshape(-1)
+        shear = self.shear_loads()
         for b in self.coupled:
             cells = self.liquid.immersed.fluxes[self.place[int(b)]].cells
-            if len(cells) and (F is None or (F[cells] > 0.0).any()):
+            rubbed = bool(shear[self.place[int(b)]].any())
+            if rubbed or len(cells) and (F is None or (F[cells] > 0.0).any()):
                 self.wet.append(int(b))
         which = np.array(self.wet, dtype=np.int64)
         after = motion.copy()
@@ -144,6 +198,8 @@ class WetBodies:
         self.kicked += np.einsum("bij,bj->bi", self.each_inverse, self.repaid)
         self.impacts: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self.expected = self.velocities[[self.place[b] for b in self.wet]].reshape(-1, 6)
+        self.rubbed = shear[[self.place[b] for b in self.wet]].reshape(-1, 6)
+        self.kicked += self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.rubbed)
         self.contacts = self._contacts(state, motion) if self.wet and len(state.held_parts) else None
         self.turns = 0
 
@@ -226,7 +282,7 @@ class WetBodies:
         control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, loads)
         if self.wet:
             pressed = (self.model.fluid.rho / self.dt) * self.coupling.loads(q).reshape(-1, 6)
-            loads[self.wet] += pressed + self.lifts + self.repaid / self.dt
+            loads[self.wet] += pressed + self.lifts + self.rubbed + self.repaid / self.dt
         entries, first = self.flying_laws.entries, self.flying_laws.rows["first"]
         for b in self.coupled:
             for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):

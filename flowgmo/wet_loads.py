@@ -44,12 +44,13 @@ class WetLoads:
 
     # ---- loads
 
-    def note(self, p: np.ndarray) -> None:
-        """After the projection: the mean loads of the step. p (mesh) [mass/length/time2]: its pressure."""
+    def note(self, p: np.ndarray, shear: np.ndarray | None = None) -> None:
+        """After the projection: the mean loads of the step. p (mesh) [mass/length/time2]: its pressure; shear
+        (movers, 6): of the liquid's friction, None without."""
         liquid = self.liquid
         wet = liquid.projector.matrix.diagonal
         found = pressure_loads(liquid.immersed.fluxes, wet, p, liquid.plan.rho, liquid.gravity)
-        self.loads = BodyLoads(found, None)
+        self.loads = BodyLoads(found, shear)
 
     def at_start(self, flow: object, p_WB: np.ndarray) -> None:
         """The loads of the pressure as it stands, bodies where they are."""
@@ -61,7 +62,9 @@ class WetLoads:
         ]
         liquid.projector.set_surface(flow.F)
         wet = liquid.projector.wet
-        self.loads = BodyLoads(pressure_loads(fluxes, wet, flow.p, liquid.plan.rho, liquid.gravity), None)
+        rubs = liquid.momentum.operators is not None and liquid.plan.no_slip
+        shear = np.zeros((len(self.movers), 6)) if rubs else None
+        self.loads = BodyLoads(pressure_loads(fluxes, wet, flow.p, liquid.plan.rho, liquid.gravity), shear)
 
     def of_all(self, count: int) -> np.ndarray:
         """(count, 6): force and torque about B on every body of the deck, 0 where it stands still."""

@@ -20,6 +20,7 @@ LONG = {
     "cylinder",
     "martin_moyce",
     "wall_impact",
+    "settling",
 }  # whole runs of these take minutes: `make test-all`
 each = pytest.mark.parametrize("path", ALL, ids=lambda path: f"{path.parent.name}/{path.stem}")
 whole = pytest.mark.parametrize(

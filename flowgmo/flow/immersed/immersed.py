@@ -12,15 +12,15 @@ a full cell is full afterwards: V1 F1 = V0 - dt div(A u) = V1, exactly, whatever
 faces are only needed where a body's velocity is not known before the pressure (coupling.py): there they say how the
 change of volume goes with it, and what is left, V1 - V0 at the expected velocity, is as exact as before.
 
-What V1 - V0 asks of the cells differs from what a uniform stream gives that moves with the body, as far as the mean of A
-over the step is not exact: the body then has a drag that is the mesh's. The mean is that of three poses for this
-reason. A domain without void has no volume to keep: there the bodies push by their shares, and a stream that moves with
+What V1 - V0 asks of the cells differs from what a uniform stream gives that moves with the body, as far as the mean of
+A over the step is not exact: the body then has a drag that is the mesh's. The mean is of three poses for this reason. A domain without void has no volume to keep: there the bodies push by their shares, and a stream that moves with
 them stays uniform to round-off.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,8 +30,13 @@ from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, closed_sum
 from flowgmo.flow.immersed.fresh import mean_around
+from flowgmo.flow.immersed.friction import Friction
+from flowgmo.flow.immersed.moving_walls import spin_resistance, wall_faces
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.volume_change import VolumeChange
+
+if TYPE_CHECKING:
+    from flowgmo.flow.momentum.momentum import Momentum
 
 NARROW = 0.01  # of a face
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step, as in pressure/projection.py
@@ -45,10 +50,15 @@ class Immersed:
     """
 
     def __init__(
-        self, covers: MovingOpenings, grid: Grid, centres: list[np.ndarray], renew: Callable[[], None]
+        self,
+        covers: MovingOpenings,
+        grid: Grid,
+        centres: list[np.ndarray],
+        renew: Callable[[], None],
     ) -> None:
         self.covers, self.grid, self.centres, self.renew = covers, grid, centres, renew
         self.open = covers.mean
+        self.weight = np.zeros(3)  # of the liquid, rho g
         self.swept = None
         self.short: ShortCells | None = None
 
@@ -81,7 +91,15 @@ class Immersed:
         for shares, covered, place in zip(swept.shares, swept.covered, places, strict=True):
             self.fluxes.append(body_fluxes(self._narrowed(shares), covered, self.grid, self.centres, place))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
+        self._renew_at_mean()
+
+    def _renew_at_mean(self) -> None:
+        """Sort faces anew with the mean of the open volumes, as the areas are means: what is open of a cell must not
+        exceed its section, or its sides would be walls (wall_shear.py)."""
+        V, change = self.open.V, self.change
+        V[change.rows] = 0.5 * (change.V0 + change.V1)
         self.renew()
+        V[change.rows] = change.most
 
     def _pushed_out(self, velocities: np.ndarray) -> np.ndarray:
         """(n,) [length3/time]: what the bodies bring out of cells with these velocities, by their shares of faces."""
@@ -127,13 +145,25 @@ class Immersed:
         """F and p of cells that were closed: of what is around them."""
         closed = self.change.V0 == 0.0
         at = self.cells[closed]
-        mean, weight = mean_around(flow.p, self.covers.open.V, at)
-        flow.p[tuple(at.T)] = np.where(weight > 0.0, mean, 0.0)
+        self._uncover_pressure(flow.p, at)
         if flow.F is None:
             return
         inside = np.ones_like(flow.F[tuple(at.T)])
         mean, weight = mean_around(flow.F, self.covers.open.V, at)
         flow.F[tuple(at.T)] = np.where(weight > 0.0, mean, inside * 0.0)
+
+    def _uncover_pressure(self, p: np.ndarray, at: np.ndarray) -> None:
+        """p of cells at (n, 3) that were closed: of what is around, but for the weight of the liquid between.
+
+        Slivers feel the gradient of the last pressure (cut_viscosity.py): jets, were p what it is in solids.
+        """
+        V, rows = self.covers.open.V, tuple(at.T)
+        mean, sums = mean_around(p, V, at)
+        for d, x in enumerate(self.centres):
+            if self.weight[d] != 0.0:
+                places = np.broadcast_to(x.reshape([-1 if e == d else 1 for e in range(3)]), V.shape)
+                mean += self.weight[d] * (x[at[:, d]] - mean_around(places, V, at)[0])
+        p[rows] = np.where(sums > 0.0, mean, p[rows])
 
     def _find_faces(self, flow: Flow, places: np.ndarray, velocities: np.ndarray) -> None:
         """Faces that bodies cover: their own velocity on closed ones; on those that open, that of what is around."""
@@ -173,6 +203,23 @@ class Immersed:
         for u, held, g in zip(velocity, self.held, pull, strict=True):
             if u is not None:
                 u[held[0]] = held[1] + g * held[2]
+
+    def friction(
+        self, momentum: Momentum, mu: float, F: np.ndarray | None, places: np.ndarray, U0: np.ndarray, W: np.ndarray,
+        dt: float,
+    ) -> Friction:  # fmt: skip
+        """After begin: the walls of the bodies move with the liquid's friction (friction.py). B at places (b, 3), U0
+        (b, 6), W (b, 6, 6), mu [mass/length/time]."""
+        operators = momentum.operators
+        spread = 0.0 if momentum.implicit else dt * momentum.nu
+        walls = wall_faces(operators, self.swept.shares, places, self.grid, self.open, self.centres, mu, F, spread)
+        speeds = [None if o is None or o.cut is None else np.zeros(len(o.cut.rows)) for o in operators]
+        spins = [
+            spin_resistance(*one, self.grid, self.centres, mu, F) for one in zip(self.swept.shares, places, strict=True)
+        ]
+        found = Friction(walls, np.array(spins), speeds, U0, W, dt)
+        momentum.move_walls(found)
+        return found
 
     def fill_short(self, columns: np.ndarray, F: np.ndarray | None) -> None:
         """Cells of columns that lack a little are full in F until `restore_short` (short_cells.py)."""

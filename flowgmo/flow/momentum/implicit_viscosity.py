@@ -22,6 +22,7 @@ import numpy as np
 
 from flowgmo.flow.favor.cut_faces import STEPS, U64
 from flowgmo.flow.fields import G, Grid
+from flowgmo.flow.momentum.cut_viscosity import CutViscosity
 from flowgmo.flow.momentum.viscosity import Velocity, Viscosity, apply
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel
@@ -151,26 +152,28 @@ def add_implicit_viscosity(
     scratch: tuple[Array, Array, Array, Array],
     fill_change: Callable[[int, Array], None],
     free: tuple[bool, bool, bool] = (False, False, False),
+    by: str = "all",
 ) -> list[Solved]:
     """Change the velocity (u, v, w) on the columns' upper faces by dt nu laplacian of what it becomes.
 
     velocity with its ghosts filled (mirrored at walls); they are not filled again. V [-] open volumes or None.
     scratch: four arrays of mesh size, any content. fill_change(c, e) fills the ghosts, and the joined side, of a change
     of component c: mirrored, continued, periodic, or 0 where the velocity is given. free: whether the faces on the
-    upper side along x, y, z are unknown (periodic, pressure); else they stay.
+    upper side along x, y, z are unknown (periodic, pressure); else they stay. by: "all", or "walls": what a velocity
+    that has had its viscosity gains when the walls of bodies are faster by CutViscosity.speed.
     Returns one Solved for each component that is there.
     """
     ended = []
     for c, (operator, u) in enumerate(zip(operators, velocity, strict=True)):
         if operator is not None:
             inside = columns if free[c] else inner_faces(columns, u.shape, c)
-            ended.append(_solve(team, inside, c, grid, V, operator, u, F, nu * dt, scratch, fill_change))
+            ended.append(_solve(team, inside, c, grid, V, operator, u, F, nu * dt, scratch, fill_change, by))
     return ended
 
 
 def _solve(
     team: Team, columns: Array, c: int, grid: Grid, V: Array | None, operator: Viscosity, u: Array, F: Array | None,
-    factor: float, scratch: tuple[Array, ...], fill_change: Callable[[int, Array], None],
+    factor: float, scratch: tuple[Array, ...], fill_change: Callable[[int, Array], None], by: str,
 ) -> Solved:  # fmt: skip
     """One component; factor = nu dt."""
     r, inverse, p, Ap = scratch
@@ -185,7 +188,10 @@ def _solve(
         team.run(diagonal_cut, operator.cut.rows, operator.cut.c, operator.cut.V, operator.cut.s, factor, inverse)
     if operator.sides is not None:
         team.run(diagonal_cut, operator.sides.rows, None, None, operator.sides.s, factor, inverse)
-    apply(team, columns, c, operator, u, F, factor, r, 0.0)
+    if by == "all":
+        apply(team, columns, c, operator, u, F, factor, r, 0.0)
+    else:
+        _push(operator.cut, c, F, factor, r)
     team.run(advance, columns, *steps, 0.0, None, None, None, r, inverse, sums)
     rho = begin = float(sums.sum())
     beta = 0.0
@@ -204,6 +210,18 @@ def _solve(
         before, rho = rho, float(sums.sum())
         beta = rho / before
     return Solved(iteration + 1, _relative(rho, begin), rho <= TOLERANCE**2 * begin)
+
+
+def _push(cut: CutViscosity | None, c: int, F: Array | None, factor: float, r: Array) -> None:
+    """r = factor s speed / V on wet cut faces of component c; r is 0 before."""
+    if cut is None or cut.speed is None:
+        return
+    low = tuple(cut.rows[:, :3].T)
+    high = tuple((cut.rows[:, :3] + np.eye(3, dtype=cut.rows.dtype)[c]).T)
+    some = cut.V > 0.0
+    if F is not None:
+        some &= np.maximum(F[low], F[high]) > 0.0
+    r[low] = np.where(some, factor * cut.s * cut.speed / np.where(some, cut.V, 1.0), 0.0)
 
 
 def _relative(rho: float, begin: float) -> float:

@@ -9,6 +9,7 @@ of their stage, the implicit one that of the step's end. Constant tables are rea
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.favor.cut_faces import find_cut_faces
 from flowgmo.flow.fields import Grid, Open
+from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.momentum.advection import add_advection, make_schemes
 from flowgmo.flow.momentum.implicit_viscosity import add_implicit_viscosity
 from flowgmo.flow.momentum.prediction import add
@@ -48,7 +50,8 @@ class Momentum:
         self.scratch = tuple(np.zeros(shape) for _ in range(4)) if self.implicit else ()
 
     def renew(self) -> None:
-        """Sort the faces by the open fractions as they are now."""
+        """Sort the faces by the open fractions as they are now; walls that move have to be given anew."""
+        self.friction = None
         self.cut = find_cut_faces(self.every, self.openings)
         if self.nu > 0.0:
             plan, grid, openings, present = self.plan, self.grid, self.openings, self.present
@@ -58,6 +61,19 @@ class Momentum:
             self.operators = make_viscosity(self.team, grid, openings, self.cut, present, plan.no_slip, walls)
             if any(stick and _changes(side) for stick, side in zip(no_slip, plan.sides, strict=True)):
                 self.walls = tuple(w for w in walls if w is not None)
+
+    def move_walls(self, friction: Friction) -> None:
+        """The walls of bodies slide in the step to come, by the speeds that `friction` sets."""
+        self.friction, operators, V = friction, list(self.operators), self.openings.V
+        for c, (o, speed) in enumerate(zip(operators, friction.speeds, strict=True)):
+            if speed is None:
+                continue
+            cut = o.cut._replace(speed=speed)
+            if self.implicit:  # symmetric with the volumes that the product of its gradients has
+                low, high = cut.rows[:, :3].T, cut.rows[:, :3].T + np.eye(3, dtype=np.int64)[c][:, None]
+                cut = cut._replace(V=0.5 * (V[tuple(low)] + V[tuple(high)]))
+            operators[c] = o._replace(cut=cut)
+        self.operators = tuple(operators)
 
     def _speeds(self, values: Sequence[SideValues]) -> np.ndarray:
         """(6, 3) [length/time]: how the walls slide when these are the values of the sides."""
@@ -102,6 +118,8 @@ class Momentum:
         if self.operators is not None and not self.implicit:
             now = self.sides.values if time is None or not self.walls else [p.at(time) for p in self.sides.plans]
             self._slide(now)
+            if self.friction is not None:
+                self.friction.meet(velocity)
             add_viscosity(
                 self.team, columns, self.operators, tuple(velocity), F, tuple(acceleration), self.nu, dt, gradients
             )
@@ -118,14 +136,22 @@ class Momentum:
         if not self.implicit:
             return
         self._slide(self.sides.values)
+        if self.friction is not None:
+            self.friction.diffuse(velocity, partial(self._solve, columns, velocity, F, dt, "all"),
+                                  partial(self._solve, columns, velocity, F, dt, "walls"))  # fmt: skip
+        else:
+            self._solve(columns, velocity, F, dt, "all")
+        self.sides.fill_velocity(velocity)  # joined sides changed on one side only
+
+    def _solve(self, columns: np.ndarray, velocity: list, F: np.ndarray | None, dt: float, by: str) -> None:
+        """Implicit viscosity; by: see add_implicit_viscosity. Raises StepTooLong."""
         free = tuple(self.sides.plans[2 * d + 1].kind in (PERIODIC, PRESSURE) for d in range(3))
         ended = add_implicit_viscosity(
             self.team, columns, self.grid, self.openings.V, self.operators, tuple(velocity), F, self.nu, dt,
-            self.scratch, self.sides.fill_change, free,
+            self.scratch, self.sides.fill_change, free, by,
         )  # fmt: skip
         if not all(solved.good for solved in ended):
             raise StepTooLong("the implicit viscosity did not converge")
-        self.sides.fill_velocity(velocity)  # joined sides changed on one side only
 
 
 def _changes(side: SidePlan) -> bool:
