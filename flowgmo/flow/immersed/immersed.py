@@ -13,8 +13,9 @@ faces are only needed where a body's velocity is not known before the pressure (
 change of volume goes with it, and what is left, V1 - V0 at the expected velocity, is as exact as before.
 
 What V1 - V0 asks of the cells differs from what a uniform stream gives that moves with the body, as far as the mean of
-A over the step is not exact: the body then has a drag that is the mesh's. The mean is of three poses for this reason. A domain without void has no volume to keep: there the bodies push by their shares, and a stream that moves with
-them stays uniform to round-off.
+A over the step is not exact: the body then has a drag that is the mesh's. The mean is of three poses for this reason.
+A domain without void has no volume to keep: there the bodies push by their shares, and a stream that moves with them
+stays uniform to round-off.
 """
 
 from __future__ import annotations
