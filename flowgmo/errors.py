@@ -12,4 +12,8 @@ class StepFailed(FlowgmoError):
 
 
 class StepTooLong(StepFailed):
-    """A step that failed, where a shorter one may do."""
+    """A step that failed, where a shorter one may do; share: of its length that should be tried, None where unknown."""
+
+    def __init__(self, text: str, share: float | None = None) -> None:
+        super().__init__(text)
+        self.share = share

@@ -51,7 +51,7 @@ class Pace:
                 self._note_step(world, state.t - began_at, most)
                 return report, landing
             except StepTooLong as error:
-                most = _shorter(world.liquid) * (t1 - state.t)
+                most = (error.share or _shorter(world.liquid)) * (t1 - state.t)
                 self.cuts += 1
                 if most < clock.dt_min:
                     raise StepFailed(f"{error}, and a step below dtmin={clock.dt_min:.3g} would be needed") from error

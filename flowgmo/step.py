@@ -138,6 +138,7 @@ def _stages_with_bodies(
         wet.records.note(liquid.p, wet.shear_loads() if wet.friction is not None else None)
 
     def arrive(world: World, state: State, t1: float, room: Room) -> None:
+        wet.check_ways(poses_of(state), room.motion, room.impacts, state.t, t1)
         liquid.immersed.arrive(wet.poses(room.motion))
         wet.records.book(room.books, poses_of(state), room.motion, wet.wet, wet.middle, t1 - state.t)
 

@@ -39,11 +39,14 @@ from flowgmo.model import Model
 from flowgmo.pressed import explained
 from flowgmo.state import State
 from flowgmo.wet_contacts import Contacts, slip_of
-from flowgmo.wet_loads import WetLoads
+from flowgmo.wet_loads import WetLoads, way_of
 
 TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
 STICKS = 0.99  # of the friction cone: a contact within is taken to stick
 SLACK = 1e-3  # of the speed that gravity gives in a step: an approach that a contact row may leave
+ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body that was hit may not end a step
+AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
+LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
 MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
 
 
@@ -62,6 +65,7 @@ class WetBodies:
         self.driven = np.array([b for b in self.movers if b not in self.coupled], dtype=np.int64)
         self.place = {int(b): k for k, b in enumerate(self.movers)}  # among the moving ones
         self.reach = np.array([_reach(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers])
+        self.balls = [_ball_centre(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
         self.cell = min(float(np.diff(x).min()) for x, n in zip(
             model.mesh.blocks[0].planes, model.mesh.blocks[0].shape, strict=True
         ) if n > 1)  # fmt: skip
@@ -104,10 +108,17 @@ class WetBodies:
             raise StepTooLong(f"a body crosses {way / self.cell:.3g} of a cell in a step")
         places = 0.5 * (motion["p"][m] + then["p"][m])
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
-        self.liquid.immersed.begin(flow, self.poses(then), self.poses(middle), places, self.velocities)
+        self.liquid.immersed.begin(
+            flow, self.poses(then), self.poses(middle), places, self.velocities, self._middles(then)
+        )
         self.liquid.find_columns(flow.F)
         self._meet_walls(flow, motion, t0, t1, places, held)
         self.liquid.immersed.fill_short(self.liquid.near, flow.F)
+
+    def _middles(self, motion: np.ndarray) -> list[np.ndarray | None]:
+        """From B to the centre of each moving ball; None for other bodies."""
+        R = rotation_matrices(motion["q"][self.movers])
+        return [None if c is None else turn @ c for c, turn in zip(self.balls, R, strict=True)]
 
     def _expected(self, motion: np.ndarray, t0: float, t1: float) -> np.ndarray:
         """motion (n,) POSE at t1: prescribed bodies as they will be, others as they move now."""
@@ -263,12 +274,11 @@ class WetBodies:
     def finish(self, q: np.ndarray, motion: np.ndarray, rows: np.ndarray) -> None:
         """After the pressure q = p dt / rho: velocities of the wet bodies in motion (n,) and rows (k, n) POSE, or the
         loads with which they move on."""
+        U = (self.start + self.coupling.velocities(q)).reshape(-1, 6) if self.wet else np.zeros((0, 6))
         if self.loaded:
+            self.planned = 0.5 * (U + np.hstack([motion["v"][self.wet], motion["w"][self.wet]]))
             self._load(q, motion)
             return
-        if not self.wet:
-            return
-        U = (self.start + self.coupling.velocities(q)).reshape(-1, 6)
         for b, own in zip(self.wet, U, strict=True):
             for to in (motion, *rows):
                 to["v"][b], to["w"][b] = own[:3], own[3:]
@@ -287,6 +297,30 @@ class WetBodies:
         for b in self.coupled:
             for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):
                 entries[first[self.flying[name][b]], 1] = of_body
+
+    def check_ways(
+        self, before: np.ndarray, after: np.ndarray, impacts: list[np.ndarray], t0: float, t1: float
+    ) -> None:
+        """Raise StepTooLong where an impact amid the step leads a body away from where the pressure took it to be.
+
+        before, after (n,) POSE. A ball that rebounds from the bed would leave a void under it, or push into what does
+        not know of it: such a step ends with the impact, and the next one starts with the velocities after it.
+        """
+        if not impacts or not self.wet:
+            return
+        hits, dt = np.concatenate(impacts), t1 - t0
+        for n, b in enumerate(self.wet):
+            mine = hits["time"][(hits["a"] == b + 1) | (hits["b"] == b + 1)]
+            if not len(mine):
+                continue
+            astray = way_of(before[b], after[b]) - dt * self.planned[n]
+            reach = self.reach[self.place[b]]
+            off = float(np.linalg.norm(astray[:3]) + reach * np.linalg.norm(astray[3:]))
+            share = max(AFTER * float(mine.min() - t0) / dt, LEAST)
+            if off > ASTRAY * self.cell and share < 1.0:
+                raise StepTooLong(
+                    f"an impact leads body {self.names[self.place[b]]} {off:.3g} away from its way", share
+                )
 
     def impact_of(self, b: int) -> tuple[np.ndarray, np.ndarray]:
         """(M + A)^-1 and A (6, 6) of body b (row) about B, for impacts within the step: found when the first is met."""
@@ -322,3 +356,9 @@ def pack_with_loads(model: Model) -> tuple[np.ndarray, Laws | None]:
     load = ControlLoads((some,) * 3, (some,) * 3, in_body_axes=False)
     bodies = tuple(replace(body, loads=load) if body.coupled else body for body in model.bodies)
     return pack(bodies, model.gravity)
+
+
+def _ball_centre(shape: object, origin: np.ndarray) -> np.ndarray | None:
+    """Centre of a ball from `origin`; None where a shape is no ball."""
+    ball = getattr(shape, "as_sphere", lambda: None)()  # tests bring shapes of their own
+    return None if ball is None else ball[0] - origin

@@ -128,6 +128,9 @@ class Liquid:
             "growth": flow.dt * plan.steps.growth if flow.dt > 0.0 else start,
         }
         self.limiting = min(limits, key=limits.get)
+        if self.immersed is not None:  # a step cut short by a blow must not drive out at its pace what the blow left
+            free = min(limit for name, limit in limits.items() if name != "growth")
+            self.projector.ease = free if free < np.inf else 0.0
         return limits[self.limiting]
 
 

@@ -9,9 +9,10 @@ A body with velocity v of B and spin w covers the shares S of the faces of a cel
 so that the liquid has to let in as much. The pressure p of the cell pushes the body by p a, with the moment p r x a
 about B: J transposed. That both are one matrix keeps the pressure equation symmetric, and no energy is made between
 body and liquid (Batty, Bertails and Bridson 2007, "A fast variational framework for accurate solid-fluid coupling").
-Arms end at the centres of cells, not of faces: a sphere that spins then moves (nearly) nothing, since r ends on the
-normal through the wall, and a body wholly inside feels no moment of a constant pressure, since
-sum of r x a = sum over faces of S area h (n x n) = 0.
+Arms end at the centres of cells, not of faces: a body wholly inside feels no moment of a constant pressure, since
+sum of r x a = sum over faces of S area h (n x n) = 0. Of a ball all normals meet in the centre: there all arms end,
+and its spin moves nothing at all. (A spin that seems to move a little, of a ball of hardly any inertia, is used by the
+pressure to fill what is short in some cell, which it never does: w grew without bound.)
 
 The pressure of the centre is not that of the wall. In liquid at rest the rest is known (observe/loads.py):
 
@@ -43,11 +44,16 @@ class BodyFluxes(NamedTuple):
 
 
 def body_fluxes(
-    shares: Shares, covered: np.ndarray, grid: Grid, centres: list[np.ndarray], place: np.ndarray
+    shares: Shares,
+    covered: np.ndarray,
+    grid: Grid,
+    centres: list[np.ndarray],
+    place: np.ndarray,
+    middle: np.ndarray | None = None,
 ) -> BodyFluxes:
     """The fluxes of a body: mean shares of its cells (m, 3), covered (m,) of their volumes now; place (3,) [length]: B.
 
-    centres: of cells, (n + 4,) for each direction.
+    centres: of cells, (n + 4,) for each direction; middle (3,): of a ball, from B to its centre; None of other bodies.
     """
     at = shares.cells
     shape = tuple(len(c) for c in centres)
@@ -56,6 +62,8 @@ def body_fluxes(
     a = (upper - lower) * np.column_stack([dy * dz, dz * dx, dx * dy])
     lift = (0.5 * (lower + upper) - covered[:, None]) * (dx * dy * dz)[:, None]
     r = np.column_stack([c[at[:, e]] for e, c in enumerate(centres)]) - place
+    if middle is not None:
+        r[:] = middle
     cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
     return BodyFluxes(cells, np.hstack([a, np.cross(r, a)]), np.hstack([lift, r]))
 

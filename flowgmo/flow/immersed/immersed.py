@@ -72,9 +72,10 @@ class Immersed:
         middle: Sequence[Pose],
         places: np.ndarray,
         velocities: np.ndarray,
+        centres: Sequence[np.ndarray | None],
     ) -> None:
         """Open fractions from now to the expected poses, by those of the middle, reached with velocities (b, 6) of B
-        and spins, B at places (b, 3)."""
+        and spins, B at places (b, 3). centres: of balls, see body_fluxes."""
         swept = self.swept = self.covers.sweep(poses, middle=middle)
         self.cells, rows = swept.cells, tuple(swept.cells.T)
         self.change = VolumeChange(rows, swept.V0, swept.V1, self.open.V)
@@ -89,8 +90,8 @@ class Immersed:
         self._find_faces(flow, places, velocities)
         self.hold(flow.velocity)
         self.fluxes: list[BodyFluxes] = []
-        for shares, covered, place in zip(swept.shares, swept.covered, places, strict=True):
-            self.fluxes.append(body_fluxes(self._narrowed(shares), covered, self.grid, self.centres, place))
+        for shares, covered, place, centre in zip(swept.shares, swept.covered, places, centres, strict=True):
+            self.fluxes.append(body_fluxes(self._narrowed(shares), covered, self.grid, self.centres, place, centre))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
 
@@ -234,22 +235,24 @@ class Immersed:
 
     # ---- the pressure equation
 
-    def source(self, diagonal: np.ndarray, dt: float, right: np.ndarray) -> None:
+    def source(self, diagonal: np.ndarray, dt: float, ease: float, right: np.ndarray) -> None:
         """right [length3/time] -= the growth of the open volume of the equation's cells within dt.
+
+        ease [time]: in it PUSH of what they hold too much leaves, and of what they lack enters.
 
         What such a cell holds too much of, F - 1, it holds of V0, not of the larger V that net_inflow sees.
         """
         rows = tuple(self.cells.T)
-        growth = self.growth + PUSH * self.beyond if self.pushed is None else dt * self.pushed
+        growth = self.growth if self.pushed is None else dt * self.pushed
         growth = np.where(diagonal[rows] != 0.0, growth, 0.0)
         if self.shut_in:
             growth = closed_sum(growth)
-        right[rows] -= growth / dt
+        right[rows] -= growth / dt + np.where(diagonal[rows] != 0.0, PUSH * self.beyond, 0.0) / ease
         if self.short is not None:
             at = self.short.cells
             volumes = np.prod([d[k] for d, k in zip(self.grid[:3], at, strict=True)], axis=0)
             lacking = self.short.lack * self.covers.open.V[at] * volumes
-            right[at] -= np.where(diagonal[at] != 0.0, PUSH * lacking / dt, 0.0)
+            right[at] -= np.where(diagonal[at] != 0.0, PUSH * lacking / ease, 0.0)
 
     # ---- the liquid
 

@@ -68,10 +68,11 @@ PUSH = 0.5  # share of an overfull cell's excess that leaves in one step: all of
 
 
 @flow_kernel
-def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, p, beta, dt, right):
+def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, p, beta, dt, ease, right):
     """right = - sum over faces (outward A S u) + source [length3/time] in the columns' cells.
 
-    beta [time2 length/mass]: the liquid gives way by this, None without; p: the last pressure.
+    beta [time2 length/mass]: the liquid gives way by this, None without; p: the last pressure. ease [time] >= dt: in it
+    PUSH of what a cell holds too much leaves.
     """
     for c in range(first, last):
         i = columns[c, 0]
@@ -102,7 +103,7 @@ def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, p, beta, d
                 total += beta * p[i, j, k] * open_volume(grid, V, i, j, k) / dt
             if F is not None:
                 if F[i, j, k] > most:
-                    total += PUSH * (F[i, j, k] - most) * open_volume(grid, V, i, j, k) / dt
+                    total += PUSH * (F[i, j, k] - most) * open_volume(grid, V, i, j, k) / ease
             right[i, j, k] = total
 
 
@@ -181,6 +182,7 @@ class Projector:
         beta: float | None = None,
     ) -> None:
         self.grid, self.openings, self.sides, self.team, self.rho, self.beta = grid, openings, sides, team, rho, beta
+        self.ease = 0.0  # [time] in which PUSH of an excess leaves, where steps are shorter
         shape = tuple(len(d) for d in (grid.dx, grid.dy, grid.dz))
         b = [np.zeros(shape) if n > 1 + 2 * G else None for n in shape]
         none = np.zeros((0, 4), np.int32)
@@ -273,14 +275,14 @@ class Projector:
         tolerance: float,
         most: int,
         before: np.ndarray | None = None,
-        source: Callable[[np.ndarray, float, np.ndarray], None] | None = None,
+        source: Callable[[np.ndarray, float, float, np.ndarray], None] | None = None,
         couple: Couple | None = None,
     ) -> Solved:
         """Change velocity [u, v, w] and p (of the last step, then the result) so that what is above holds.
 
         before: p of the step before the last one, for the first guess. tolerance: largest share of a cell that its
-        faces may miss within dt. `set_surface` was called with this F. source(diagonal, dt, right): what bodies that
-        move push out of cells (immersed.py); couple: those that the pressure moves.
+        faces may miss within dt. `set_surface` was called with this F. source(diagonal, dt, ease, right): what bodies
+        that move push out of cells (immersed.py); couple: those that the pressure moves.
         Returns how it went; on failure velocity and p are as they were.
         """
         run, m, voids = self.team.run, self.matrix, self.voids
@@ -310,9 +312,10 @@ class Projector:
 
         while again:
             self._set_matrix(dt, changed)
-            run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, self.right)
+            ease = max(dt, self.ease)
+            run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, ease, self.right)
             if source is not None:
-                source(m.diagonal, dt, self.right)
+                source(m.diagonal, dt, ease, self.right)
             coupled = () if couple is None else (couple.begin(m.diagonal, self.right),)
             voids.enter(self.right)
             if self.beta is None:
