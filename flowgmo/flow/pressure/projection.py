@@ -314,10 +314,10 @@ class Projector:
             self._set_matrix(dt, changed)
             ease = max(dt, self.ease)
             run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, ease, self.right)
+            voids.enter(self.right)
             if source is not None:
                 source(m.diagonal, dt, ease, self.right)
             coupled = () if couple is None else (couple.begin(m.diagonal, self.right),)
-            voids.enter(self.right)
             if self.beta is None:
                 self._balance(velocity, F, dt, tolerance)
             solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most, full, *coupled)
