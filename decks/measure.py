@@ -18,6 +18,16 @@ DECKS = Path(__file__).parent
 sys.path.insert(0, str(DECKS))  # the tests load this file by its path
 
 from curves import Curves, body_axes, drift, energy_added, first_hit  # noqa: E402
+from measure_bodies import (  # noqa: E402
+    floating_prism,
+    gate,
+    heave,
+    released_sphere,
+    stream,
+    swept,
+    water_entry,
+    wavemaker,
+)
 from measure_hard import hard  # noqa: E402
 from measure_settling import settling  # noqa: E402
 from measure_viscous import cavity, cylinder, poiseuille  # noqa: E402
@@ -190,7 +200,8 @@ def rocking(curves: Curves) -> dict[str, float]:
 
 _ALL = (central, anvil, top, pendulum, piston, billiards, chain, plane, rack, pool, domino, stack, incline, hard)
 _FREE = (dam_break, still_water, sloshing, martin_moyce, wall_impact, ritter)
-WET = {case.__name__: case for case in (*_FREE, cavity, poiseuille, cylinder, settling)}
+_WITH_BODIES = (released_sphere, heave, floating_prism, gate, wavemaker, swept, stream, water_entry)
+WET = {case.__name__: case for case in (*_FREE, cavity, poiseuille, cylinder, settling, *_WITH_BODIES)}
 CASES = {case.__name__: case for case in _ALL}
 
 

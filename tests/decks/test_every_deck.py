@@ -21,6 +21,10 @@ LONG = {
     "martin_moyce",
     "wall_impact",
     "settling",
+    "released_sphere",
+    "heave",
+    "floating_prism",
+    "wavemaker",
 }  # whole runs of these take minutes: `make test-all`
 each = pytest.mark.parametrize("path", ALL, ids=lambda path: f"{path.parent.name}/{path.stem}")
 whole = pytest.mark.parametrize(
@@ -80,6 +84,7 @@ def test_energy_books_close(path, runs):
     energy = runs.curves(case, deck).energy
     if not energy:
         assert case == "piston" or case in runs.measure.WET  # no coupled body, no books of energy
+    if not energy or case in runs.measure.WET:  # among liquid the remainder is what the method loses
         return
     largest = max(np.abs(values).max() for values in energy.values())
     assert np.abs(energy["remainder"]).max() <= 1e-11 * largest

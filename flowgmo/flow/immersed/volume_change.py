@@ -42,21 +42,23 @@ class VolumeChange:
         self.V[self.rows] = self.V1
         closing = (self.V1 == 0.0) & (liquid[self.rows] != 0.0)
         for cell in np.column_stack(self.rows)[closing]:
-            if not self._has_way_out(cell, opened):
+            if not self._has_way_out(cell, liquid, opened):
                 self._move_on(cell, liquid, grid)
 
-    def _has_way_out(self, cell: np.ndarray, opened: Open) -> bool:
-        """Whether an open face leads to an open cell."""
+    def _has_way_out(self, cell: np.ndarray, liquid: np.ndarray, opened: Open) -> bool:
+        """Whether an open face leads to an open cell, with liquid where some is missing."""
+        missing = liquid[tuple(cell)] < 0.0
         for d, A in enumerate(opened[1:]):
             step = np.eye(3, dtype=np.int64)[d]
             for face, other in ((cell, cell + step), (cell - step, cell - step)):
                 inside = G <= other[d] < A.shape[d] - G
                 if inside and A[tuple(face)] > 0.0 and self.V[tuple(other)] > 0.0:
-                    return True
+                    if not missing or liquid[tuple(other)] > 0.0:
+                        return True
         return False
 
     def _move_on(self, cell: np.ndarray, liquid: np.ndarray, grid: Grid) -> None:
-        """The liquid of a cell to the nearest open ones."""
+        """The liquid of a cell to the nearest open ones; what is missing comes from the nearest that have some."""
         sizes = [d[k] for d, k in zip(grid[:3], cell, strict=True)]
         amount = float(liquid[tuple(cell)] * np.prod(sizes))
         for reach in range(1, max(liquid.shape)):
@@ -64,10 +66,10 @@ class VolumeChange:
             high = np.minimum(cell + reach + 1, np.array(liquid.shape) - G)
             box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
             V = self.V[box]
-            if (V > 0.0).any():
-                room = np.maximum(V - liquid[box], 0.0) + ANYWAY * V
+            room = np.maximum(V - liquid[box], 0.0) + ANYWAY * V if amount > 0.0 else np.maximum(liquid[box], 0.0)
+            room[V == 0.0] = 0.0
+            if room.any():
                 volumes = np.multiply.outer(np.multiply.outer(grid.dx[box[0]], grid.dy[box[1]]), grid.dz[box[2]])
-                room[V == 0.0] = 0.0
                 liquid[box] += amount * room / float((room * volumes).sum())
                 liquid[tuple(cell)] = 0.0
                 return
