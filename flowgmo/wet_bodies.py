@@ -45,6 +45,7 @@ TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
 STICKS = 0.99  # of the friction cone: a contact within is taken to stick
 SLACK = 1e-3  # of the speed that gravity gives in a step: an approach that a contact row may leave
 ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body that was hit may not end a step
+FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
 AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
 LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
 MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
@@ -301,26 +302,26 @@ class WetBodies:
     def check_ways(
         self, before: np.ndarray, after: np.ndarray, impacts: list[np.ndarray], t0: float, t1: float
     ) -> None:
-        """Raise StepTooLong where an impact amid the step leads a body away from where the pressure took it to be.
+        """Raise StepTooLong where impacts or contacts lead a body away from where the pressure took it to be.
 
         before, after (n,) POSE. A ball that rebounds from the bed would leave a void under it, or push into what does
         not know of it: such a step ends with the impact, and the next one starts with the velocities after it.
         """
-        if not impacts or not self.wet:
+        if not self.loaded:
             return
-        hits, dt = np.concatenate(impacts), t1 - t0
+        dt = t1 - t0
         for n, b in enumerate(self.wet):
-            mine = hits["time"][(hits["a"] == b + 1) | (hits["b"] == b + 1)]
-            if not len(mine):
-                continue
             astray = way_of(before[b], after[b]) - dt * self.planned[n]
-            reach = self.reach[self.place[b]]
-            off = float(np.linalg.norm(astray[:3]) + reach * np.linalg.norm(astray[3:]))
-            share = max(AFTER * float(mine.min() - t0) / dt, LEAST)
-            if off > ASTRAY * self.cell and share < 1.0:
-                raise StepTooLong(
-                    f"an impact leads body {self.names[self.place[b]]} {off:.3g} away from its way", share
-                )
+            k = self.place[b]
+            reach = self.reach[k] if self.balls[k] is None else 0.0
+            off = float(np.linalg.norm(astray[:3]) + reach * np.linalg.norm(astray[3:])) / self.cell
+            if off <= ASTRAY:
+                continue
+            hit = first_impact(impacts, b)
+            share = max(AFTER * (hit - t0) / dt, LEAST)
+            if share < 1.0 or off > FAR:
+                text = f"contacts lead body {self.names[k]} {off:.3g} of a cell away from its way"
+                raise StepTooLong(text, share if share < 1.0 else None)
 
     def impact_of(self, b: int) -> tuple[np.ndarray, np.ndarray]:
         """(M + A)^-1 and A (6, 6) of body b (row) about B, for impacts within the step: found when the first is met."""
@@ -362,3 +363,9 @@ def _ball_centre(shape: object, origin: np.ndarray) -> np.ndarray | None:
     """Centre of a ball from `origin`; None where a shape is no ball."""
     ball = getattr(shape, "as_sphere", lambda: None)()  # tests bring shapes of their own
     return None if ball is None else ball[0] - origin
+
+
+def first_impact(impacts: list[np.ndarray], b: int) -> float:
+    """Time of body b's first impact in these tables; inf if it has none."""
+    times = [float(x["time"][(x["a"] == b + 1) | (x["b"] == b + 1)].min(initial=np.inf)) for x in impacts]
+    return min(times, default=np.inf)
