@@ -48,6 +48,7 @@ ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body
 FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
 AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
 LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
+SHORTEST = 0.05  # of a step that nothing has shortened: shorter ones are not cut again for an impact
 MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
 
 
@@ -307,9 +308,9 @@ class WetBodies:
         before, after (n,) POSE. A ball that rebounds from the bed would leave a void under it, or push into what does
         not know of it: such a step ends with the impact, and the next one starts with the velocities after it.
         """
-        if not self.loaded:
-            return
         dt = t1 - t0
+        if not self.loaded or dt <= SHORTEST * self.liquid.projector.ease:
+            return  # where impacts follow each other the ways stay apart however short the step
         for n, b in enumerate(self.wet):
             astray = way_of(before[b], after[b]) - dt * self.planned[n]
             k = self.place[b]
