@@ -11,7 +11,6 @@
 | hold    | held at a stop           | (n, 4)  | -1, 0, +1   | x y z, angle  | step                |
 | support | flats a ball rests on    | (n, 3)  | flat or -1  |               | collisions          |
 | books   | energy given and lost    | (BOOKS) | energy      |               | step                |
-| owed    | impulse and moment that impacts owe the liquid | (n, 6) | momentum | space | collisions |
 
 B is the mass centre, or the reference point of a body without mass (bodies/body.py). Stationary bodies keep their
 rows so that a body's row is its deck number minus one. `fluid` holds the mesh fields (u v w p F V Ax Ay Az, places in
@@ -54,7 +53,6 @@ class State:
     general: bool  # the closed forms of balls no longer do: the contact engine has taken over (collision/stage.py)
     busy: bool  # impacts are too many to be resolved one by one (collision/crowd.py)
     books: np.ndarray
-    owed: np.ndarray
     fluid: Flow | None = None
 
     def advance_clock(self, t: float, landing: bool) -> None:
@@ -95,7 +93,6 @@ def initial_state(model: Model) -> State:
         general=False,
         busy=False,
         books=np.zeros(len(BOOKS)),
-        owed=np.zeros((n, 6)),
     )
     return state
 

@@ -128,7 +128,7 @@ def _stages_with_bodies(
 
     def project(world: World, state: State, t1: float, room: Room) -> None:
         dt = t1 - state.t
-        wet.kick(state.fluid, state, room.motion, room.owed, state.t, t1)
+        wet.kick(state.fluid, state, room.motion, state.t, t1)
         try:
             stages.project(liquid, state.fluid, dt, wet.couple)
         except StepFailed as error:
@@ -138,15 +138,22 @@ def _stages_with_bodies(
         wet.records.note(liquid.p, wet.shear_loads() if wet.friction is not None else None)
 
     def arrive(world: World, state: State, t1: float, room: Room) -> None:
-        wet.check_ways(poses_of(state), room.motion, room.impacts, state.t, t1)
+        wet.impacts.check_ways(poses_of(state), room.motion, room.impacts, state.t, t1)
         liquid.immersed.arrive(wet.poses(room.motion))
         wet.records.book(room.books, poses_of(state), room.motion, wet.wet, wet.middle, t1 - state.t)
 
     def move_liquid(world: World, state: State, t1: float, room: Room) -> None:
         stages.move_liquid(liquid, state.fluid, t1 - state.t, state.step)
 
+    def answer_impacts(world: World, state: State, t1: float, room: Room) -> None:
+        wet.impacts.settle(state.fluid, room.motion, room.owed)
+
     before = [("open fractions", expect), ("momentum", predict), ("pressure", project)]
-    after = [("open fractions", arrive)] + ([("liquid", move_liquid)] if model.fluid.free_surface else [])
+    after = [("open fractions", arrive)]
+    if model.fluid.free_surface:
+        after.append(("liquid", move_liquid))
+    if wet.loaded and model.contacts.wet:
+        after.append(("wet impacts", answer_impacts))
     return before, after, liquid, wet
 
 

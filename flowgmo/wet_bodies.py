@@ -29,7 +29,6 @@ from flowgmo.bodies.laws import Laws
 from flowgmo.bodies.move import move_alone
 from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.flow.favor.near_surface import Pose
-from flowgmo.flow.immersed.added_mass import added_mass, wet_inverse
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, weight_of_displaced
 from flowgmo.flow.immersed.contact_rows import constrain, rows_of_contacts
 from flowgmo.flow.immersed.coupling import Coupling
@@ -39,16 +38,12 @@ from flowgmo.model import Model
 from flowgmo.pressed import explained
 from flowgmo.state import State
 from flowgmo.wet_contacts import Contacts, slip_of
-from flowgmo.wet_loads import WetLoads, way_of
+from flowgmo.wet_impacts import WetImpacts
+from flowgmo.wet_loads import WetLoads
 
 TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
 STICKS = 0.99  # of the friction cone: a contact within is taken to stick
 SLACK = 1e-3  # of the speed that gravity gives in a step: an approach that a contact row may leave
-ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body that was hit may not end a step
-FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
-AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
-LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
-SHORTEST = 0.05  # of a step that nothing has shortened: shorter ones are not cut again for an impact
 MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
 
 
@@ -77,6 +72,7 @@ class WetBodies:
         self.wet: list[int] = []
         self.records = WetLoads(arrays, laws, self.movers, self.driven, liquid, pushed=self.loaded)
         self.names = [body.name for body in model.moving]
+        self.impacts = WetImpacts(self)
         self.friction: Friction | None = None
 
     # ---- the length of a step
@@ -189,9 +185,8 @@ class WetBodies:
                 np.zeros((0, 4)), np.zeros((64, 7)), np.zeros(64, dtype=np.int64),
             )  # fmt: skip
 
-    def kick(self, flow: object, state: State, motion: np.ndarray, owed: np.ndarray, t0: float, t1: float) -> None:
-        """U* of the coupled bodies that the liquid touches: by gravity, control loads (bodies/kicks.py), and what
-        impacts owe it, owed (n, 6), which is paid by that."""
+    def kick(self, flow: object, state: State, motion: np.ndarray, t0: float, t1: float) -> None:
+        """U* of the coupled bodies that the liquid touches: by gravity, control loads (bodies/kicks.py), friction."""
         self.dt, self.middle, self.wet = t1 - t0, 0.5 * (t0 + t1), []
         self.flying[:] = self.unloaded
         F = None if flow.F is None else flow.F.reshape(-1)
@@ -206,10 +201,7 @@ class WetBodies:
         kick(which, self.arrays, self.laws, after, t0, t1)
         self.each_inverse = inverse_masses(self.arrays[which], motion[which])
         self.kicked = np.hstack([after["v"][which], after["w"][which]])
-        self.repaid = owed[which]  # what impacts of the last step owe the liquid
-        owed[which] = 0.0
-        self.kicked += np.einsum("bij,bj->bi", self.each_inverse, self.repaid)
-        self.impacts: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self.impacts.begin()
         self.expected = self.velocities[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.rubbed = shear[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.kicked += self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.rubbed)
@@ -277,6 +269,7 @@ class WetBodies:
         """After the pressure q = p dt / rho: velocities of the wet bodies in motion (n,) and rows (k, n) POSE, or the
         loads with which they move on."""
         U = (self.start + self.coupling.velocities(q)).reshape(-1, 6) if self.wet else np.zeros((0, 6))
+        self.reached = U  # what the liquid's velocities fit
         if self.loaded:
             self.planned = 0.5 * (U + np.hstack([motion["v"][self.wet], motion["w"][self.wet]]))
             self._load(q, motion)
@@ -294,45 +287,11 @@ class WetBodies:
         control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, loads)
         if self.wet:
             pressed = (self.model.fluid.rho / self.dt) * self.coupling.loads(q).reshape(-1, 6)
-            loads[self.wet] += pressed + self.lifts + self.rubbed + self.repaid / self.dt
+            loads[self.wet] += pressed + self.lifts + self.rubbed
         entries, first = self.flying_laws.entries, self.flying_laws.rows["first"]
         for b in self.coupled:
             for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):
                 entries[first[self.flying[name][b]], 1] = of_body
-
-    def check_ways(
-        self, before: np.ndarray, after: np.ndarray, impacts: list[np.ndarray], t0: float, t1: float
-    ) -> None:
-        """Raise StepTooLong where impacts or contacts lead a body away from where the pressure took it to be.
-
-        before, after (n,) POSE. A ball that rebounds from the bed would leave a void under it, or push into what does
-        not know of it: such a step ends with the impact, and the next one starts with the velocities after it.
-        """
-        dt = t1 - t0
-        if not self.loaded or dt <= SHORTEST * self.liquid.projector.ease:
-            return  # where impacts follow each other the ways stay apart however short the step
-        for n, b in enumerate(self.wet):
-            astray = way_of(before[b], after[b]) - dt * self.planned[n]
-            k = self.place[b]
-            reach = self.reach[k] if self.balls[k] is None else 0.0
-            off = float(np.linalg.norm(astray[:3]) + reach * np.linalg.norm(astray[3:])) / self.cell
-            if off <= ASTRAY:
-                continue
-            hit = first_impact(impacts, b)
-            share = max(AFTER * (hit - t0) / dt, LEAST)
-            if share < 1.0 or off > FAR:
-                text = f"contacts lead body {self.names[k]} {off:.3g} of a cell away from its way"
-                raise StepTooLong(text, share if share < 1.0 else None)
-
-    def impact_of(self, b: int) -> tuple[np.ndarray, np.ndarray]:
-        """(M + A)^-1 and A (6, 6) of body b (row) about B, for impacts within the step: found when the first is met."""
-        if b not in self.wet:
-            return np.zeros((6, 6)), np.zeros((6, 6))
-        if b not in self.impacts:
-            n, projector = self.wet.index(b), self.liquid.projector
-            A = added_mass(self.coupling.fluxes[n], projector.respond, projector.q.shape, self.model.fluid.rho)
-            self.impacts[b] = wet_inverse(self.each_inverse[n], A), A
-        return self.impacts[b]
 
     def explained(self, error: StepFailed) -> StepFailed:
         """The error, or one that says which body presses what."""
@@ -364,9 +323,3 @@ def _ball_centre(shape: object, origin: np.ndarray) -> np.ndarray | None:
     """Centre of a ball from `origin`; None where a shape is no ball."""
     ball = getattr(shape, "as_sphere", lambda: None)()  # tests bring shapes of their own
     return None if ball is None else ball[0] - origin
-
-
-def first_impact(impacts: list[np.ndarray], b: int) -> float:
-    """Time of body b's first impact in these tables; inf if it has none."""
-    times = [float(x["time"][(x["a"] == b + 1) | (x["b"] == b + 1)].min(initial=np.inf)) for x in impacts]
-    return min(times, default=np.inf)

@@ -58,7 +58,7 @@ class Arena:
         self.pull = np.zeros((n + 6, 3))  # gravity's acceleration of parties that an impulse can move
         self.pull[self.movable == 1] = model.gravity
         self.gravity = float(np.linalg.norm(model.gravity))
-        self.wet: Callable[[int], tuple[np.ndarray, np.ndarray]] | None = None  # wet_bodies.WetBodies.impact_of
+        self.wet: Callable[[int], tuple[np.ndarray, np.ndarray]] | None = None  # wet_impacts.WetImpacts.response
         self.owed = np.zeros((n, 6))
         self._hits, self._hit_body = np.zeros((MOST_HITS, 7)), np.zeros(MOST_HITS, dtype=np.int64)
 

@@ -74,7 +74,7 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     if wet:
         engine.arena.reload(world.flying)
         engine.arena.owed[:] = 0.0
-        engine.arena.wet = world.wet_bodies.impact_of if world.model.contacts.wet else None
+        engine.arena.wet = world.wet_bodies.impacts.response if world.model.contacts.wet else None
         engine.sleep.on = False
     engine.held = _held_of(state)
     engine.sleep.load(state.asleep, state.quiet)

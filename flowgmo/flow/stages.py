@@ -9,10 +9,13 @@ A stage leaves the Flow as it is; new values lie in the Liquid's scratch arrays 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.flow.fields import Flow
+from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.liquid import DUST, Liquid
 from flowgmo.flow.momentum.extrapolation import continue_velocity, find_sources
 from flowgmo.flow.momentum.prediction import accelerate, fill
@@ -120,6 +123,27 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     if rate * dt > MOST_COURANT:
         raise StepTooLong(f"the liquid crosses {rate * dt:.3g} of a cell in a step")
     return solved
+
+
+def answer_impulses(
+    liquid: Liquid, flow: Flow, source: Callable[[np.ndarray], None], coupling: Coupling, dt: float
+) -> np.ndarray:
+    """liquid.predicted answers what impacts have made of the bodies' velocities; q [length2/time] that did it.
+
+    source(right) adds to right [length3/time] what the bodies bring out of cells by them; coupling: bodies that q
+    moves; dt: of the step, for the tolerance. Raises StepTooLong where a shorter step may do.
+    """
+    projector, new = liquid.projector, liquid.predicted
+    projector.right.fill(0.0)
+    source(projector.right)
+    solved = projector.answer(new, coupling, TOLERANCE * liquid.plan.pressure.tolerance / dt)
+    liquid.tally.note_solution(solved.iterations)
+    if not solved.converged:
+        raise StepTooLong(f"the pressure of an impact did not converge in {solved.iterations} iterations")
+    _continue(liquid, flow, new)
+    rate = courant_rate(liquid.team, liquid.near, liquid.grid, liquid.openings, flow.F, DUST, new)
+    liquid.courant = max(liquid.courant, rate * dt)
+    return projector.q
 
 
 def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from flowgmo.kernel import kernel
 
-ROUND = 1e-12  # what is open by less is rounding of a sum of cuts (each 1e-15), and would be a cell of no use
+ROUND = 1e-10  # what is open by less is rounding of cuts (1e-15) or poses (1e-12): no liquid finds its way through
 OVERLAP = 1e-9  # of a cell or face: bodies that rest on each other overlap by rounding only
 
 

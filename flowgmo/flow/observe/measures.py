@@ -63,7 +63,7 @@ def lean(F, V, i, j, k, grid, g):
     size = mx * mx + my * my + mz * mz
     if not size > NO_DROP:
         return 0.0
-    away = 0.5 * (1.0 - F[i, j, k]) / size
+    away = 0.5 * (1.0 - max(F[i, j, k], 0.0)) / size  # cells that close may lack a little for a step
     return -away * (
         g[0] * grid.dx[i] * mx * abs(mx) + g[1] * grid.dy[j] * my * abs(my) + g[2] * grid.dz[k] * mz * abs(mz)
     )

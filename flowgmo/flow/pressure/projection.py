@@ -342,6 +342,17 @@ class Projector:
         self.sealed.balance(m.columns, self.wet, right, np.inf)
         self.solver.solve(m.columns, m.arrays, right, q, digits * float(np.abs(right).max()) / volume, 100)
 
+    def answer(self, velocity: list, coupling: Coupling, tolerance: float) -> Solved:
+        """Push velocity by q = the answer of liquid and bodies to self.right [length3/time], with the equation as it
+        was last solved. tolerance [1/time]: share of a cell that its faces may miss in a unit of time."""
+        m = self.matrix
+        self.sealed.balance(m.columns, self.wet, self.right, np.inf)
+        self.q.fill(0.0)
+        solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance, 100, None, coupling)
+        self.sides.join(self.q)
+        self.push(velocity)
+        return solved
+
     def _set_matrix(self, dt: float, changed: np.ndarray | None = None) -> None:
         """The diagonal, with the lids that are open, and the preconditioner.
 

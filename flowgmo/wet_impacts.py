@@ -1,0 +1,109 @@
+"""Impacts of bodies in liquid within a step: what the liquid answers, and what it gets.
+
+An impact takes no time. The body answers its impulse with (M + A)^-1 (flow/immersed/added_mass.py), and the liquid
+takes A dU of it: at the end of the step, when bodies and liquid have moved, one more pressure, without time,
+
+    U  = U+ + M^-1 A dU + rho M^-1 J^T q          u = u - grad q
+    (A_fluid + sum over b of rho J_b M_b^-1 J_b^T) q = - sum over b that were hit of J_b (U+ + M^-1 A dU - U before)
+
+makes the liquid fit the velocities that the impacts have left. Of a body that is alone q brings back M^-1 A dU, so that
+it goes on with U+; bodies near it are pushed away. So the next step starts without a jump: its pressure is that of its
+own forces, however short it is.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flowgmo.errors import StepTooLong
+from flowgmo.flow import stages
+from flowgmo.flow.immersed.added_mass import added_mass, wet_inverse
+from flowgmo.flow.immersed.coupling import Coupling
+from flowgmo.wet_loads import way_of
+
+if TYPE_CHECKING:
+    from flowgmo.wet_bodies import WetBodies
+
+ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body that was hit may not end a step
+FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
+AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
+LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
+SHORTEST = 0.05  # of a step that nothing has shortened: shorter ones are not cut again for an impact
+
+
+class WetImpacts:
+    """Of one scene, a step at a time."""
+
+    def __init__(self, bodies: WetBodies) -> None:
+        self.bodies = bodies
+        self.begin()
+
+    def begin(self) -> None:
+        """A step begins: nothing is known of it."""
+        self.found: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+
+    def response(self, b: int) -> tuple[np.ndarray, np.ndarray]:
+        """(M + A)^-1 and A (6, 6) of body b (row) about B, for impacts within the step: found when the first is met."""
+        of = self.bodies
+        if b not in of.wet:
+            return np.zeros((6, 6)), np.zeros((6, 6))
+        if b not in self.found:
+            n, projector = of.wet.index(b), of.liquid.projector
+            A = added_mass(of.coupling.fluxes[n], projector.respond, projector.q.shape, of.model.fluid.rho)
+            self.found[b] = wet_inverse(of.each_inverse[n], A), A
+        return self.found[b]
+
+    def check_ways(
+        self, before: np.ndarray, after: np.ndarray, impacts: list[np.ndarray], t0: float, t1: float
+    ) -> None:
+        """Raise StepTooLong where impacts or contacts lead a body away from where the pressure took it to be.
+
+        before, after (n,) POSE. A ball that rebounds from the bed would leave a void under it, or push into what does
+        not know of it: such a step ends with the impact, and the next one starts with the velocities after it.
+        """
+        of, dt = self.bodies, t1 - t0
+        if not of.loaded or dt <= SHORTEST * of.liquid.projector.ease:
+            return  # where impacts follow each other the ways stay apart however short the step
+        for n, b in enumerate(of.wet):
+            astray = way_of(before[b], after[b]) - dt * of.planned[n]
+            k = of.place[b]
+            reach = of.reach[k] if of.balls[k] is None else 0.0
+            off = float(np.linalg.norm(astray[:3]) + reach * np.linalg.norm(astray[3:])) / of.cell
+            if off <= ASTRAY:
+                continue
+            hit = first_impact(impacts, b)
+            share = max(AFTER * (hit - t0) / dt, LEAST)
+            if share < 1.0 or off > FAR:
+                text = f"contacts lead body {of.names[k]} {off:.3g} of a cell away from its way"
+                raise StepTooLong(text, share if share < 1.0 else None)
+
+    def settle(self, flow: object, motion: np.ndarray, owed: np.ndarray) -> None:
+        """The liquid gets what impacts owe it, owed (n, 6), which is then nothing: velocities of liquid and bodies,
+        motion (n,) POSE, change. On return the step's velocities fit, as after its pressure."""
+        of = self.bodies
+        which = np.array(of.wet, dtype=np.int64)
+        hit = np.flatnonzero(owed[which].any(axis=1)) if len(which) else np.zeros(0, np.int64)
+        if not len(hit):
+            return
+        U = np.hstack([motion["v"][which], motion["w"][which]])
+        kicked = U + np.einsum("bij,bj->bi", of.each_inverse, owed[which])
+        push = kicked[hit] - of.reached[hit]
+        coupling = Coupling(of.coupling.fluxes, of.free_inverse, of.model.fluid.rho)
+
+        def right(into: np.ndarray) -> None:
+            for n, jump in zip(hit, push, strict=True):
+                cells, J, _ = coupling.fluxes[n]
+                into.reshape(-1)[cells] -= J @ jump
+
+        q = stages.answer_impulses(of.liquid, flow, right, coupling, of.dt)
+        U = kicked + coupling.velocities(q).reshape(-1, 6)
+        motion["v"][which], motion["w"][which] = U[:, :3], U[:, 3:]
+        owed[which] = 0.0
+
+
+def first_impact(impacts: list[np.ndarray], b: int) -> float:
+    """Time of body b's first impact in these tables; inf if it has none."""
+    times = [float(x["time"][(x["a"] == b + 1) | (x["b"] == b + 1)].min(initial=np.inf)) for x in impacts]
+    return min(times, default=np.inf)
