@@ -124,6 +124,7 @@ def _stages_with_bodies(
     wet = WetBodies(model, arrays, laws, liquid)
 
     def expect(world: World, state: State, t1: float, room: Room) -> None:
+        wet.impacts.foresee(world, state, room.motion, t1)
         wet.expect(state.fluid, room.motion, state.t, t1, state.held_parts)
 
     def project(world: World, state: State, t1: float, room: Room) -> None:

@@ -34,6 +34,7 @@ from flowgmo.flow.immersed.contact_rows import constrain, rows_of_contacts
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.liquid import Liquid
+from flowgmo.mesh import SYMMETRY, WALL
 from flowgmo.model import Model
 from flowgmo.pressed import explained
 from flowgmo.state import State
@@ -68,6 +69,8 @@ class WetBodies:
         ) if n > 1)  # fmt: skip
         self.velocities = np.zeros((len(self.movers), 6))
         liquid.immersed.weight = model.fluid.rho * np.asarray(model.gravity)
+        liquid.immersed.solved = np.isin(self.movers, self.coupled)
+        liquid.immersed.no_exit = not any(plan.kind not in (SYMMETRY, WALL) for plan in liquid.sides.plans)
         self.coupling: Coupling | None = None
         self.wet: list[int] = []
         self.records = WetLoads(arrays, laws, self.movers, self.driven, liquid, pushed=self.loaded)
@@ -79,12 +82,13 @@ class WetBodies:
 
     def longest_step(self, v: np.ndarray, w: np.ndarray) -> float:
         """[time] in which no point of a moving body crosses more than TRAVEL cells. v, w (n, 3) of all bodies."""
-        speed = self._speed(v[self.movers], w[self.movers])
+        speed = float(self.speeds(v, w).max(initial=0.0))
         return TRAVEL * self.cell / speed if speed > 0.0 else np.inf
 
-    def _speed(self, v: np.ndarray, w: np.ndarray) -> float:
-        spin = np.where(np.isfinite(self.reach), self.reach, 0.0) * np.linalg.norm(w, axis=1)
-        return float((np.linalg.norm(v, axis=1) + spin).max(initial=0.0))
+    def speeds(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """(movers,) [length/time] that no point of a moving body exceeds. v, w (n, 3) of all bodies."""
+        reach = np.where(np.isfinite(self.reach), self.reach, 0.0)
+        return np.linalg.norm(v[self.movers], axis=1) + reach * np.linalg.norm(w[self.movers], axis=1)
 
     def stand(self, motion: np.ndarray) -> None:
         """Before the first step: the open fractions are those of the poses motion (n,) POSE, t = 0 or of a file."""
@@ -99,7 +103,7 @@ class WetBodies:
         dt, then = t1 - t0, self._expected(motion, t0, t1)
         middle = self._expected(motion, t0, 0.5 * (t0 + t1))
         m = self.movers
-        speed = self._speed(then["v"][m], then["w"][m])
+        speed = float(self.speeds(then["v"], then["w"]).max(initial=0.0))
         ways = np.linalg.norm(then["p"][m] - motion["p"][m], axis=1)  # a jump within the step may be over at its end
         way = max(speed * dt, float(ways.max(initial=0.0)))
         if way > 2.0 * TRAVEL * self.cell:
@@ -242,7 +246,8 @@ class WetBodies:
             one = self.liquid.immersed.fluxes[self.place[b]]
             liquid = flat[one.cells] != 0.0
             cells, J, lift = (a[liquid] for a in one)
-            parts.append(BodyFluxes(cells, closed_sum(J) if self.liquid.immersed.shut_in else J, lift))
+            closed = np.broadcast_to(self.liquid.immersed.closed, len(self.movers))[self.place[b]]
+            parts.append(BodyFluxes(cells, closed_sum(J) if closed else J, lift))
             lifts.append(weight_of_displaced(parts[-1], slice(None), rho, self.model.gravity))
         self.lifts = np.array(lifts)
         self.free = (self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.lifts)).reshape(-1)

@@ -24,7 +24,9 @@ from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.wet_loads import way_of
 
 if TYPE_CHECKING:
+    from flowgmo.state import State
     from flowgmo.wet_bodies import WetBodies
+    from flowgmo.world import World
 
 ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body that was hit may not end a step
 FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
@@ -54,6 +56,27 @@ class WetImpacts:
             A = added_mass(of.coupling.fluxes[n], projector.respond, projector.q.shape, of.model.fluid.rho)
             self.found[b] = wet_inverse(of.each_inverse[n], A), A
         return self.found[b]
+
+    def foresee(self, world: World, state: State, motion: np.ndarray, t1: float) -> None:
+        """Raise StepTooLong where a body will be hit within the step, and led astray: the step should end with it.
+
+        It would be tried again in any case (check_ways), and where the body is expected beyond what it hits, the volume
+        that it takes there is missing elsewhere.
+        """
+        of, dt = self.bodies, t1 - state.t
+        if world.collisions is None or dt <= SHORTEST * of.liquid.projector.ease:
+            return
+        from flowgmo.collision.stage import first_meeting
+
+        hit, pairs = first_meeting(world, state, motion, of.coupled, t1)
+        if not hit < t1:
+            return
+        bodies = [b for b in np.unique(pairs) if b in of.place]
+        speeds = of.speeds(motion["v"], motion["w"])
+        off = 2.0 * sum(speeds[of.place[b]] for b in bodies) * (t1 - hit) / of.cell
+        share = max(AFTER * (hit - state.t) / dt, LEAST)
+        if off > ASTRAY and share < 1.0:
+            raise StepTooLong(f"body {of.names[of.place[bodies[0]]]} will be hit in the step", share)
 
     def check_ways(
         self, before: np.ndarray, after: np.ndarray, impacts: list[np.ndarray], t0: float, t1: float

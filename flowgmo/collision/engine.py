@@ -24,6 +24,7 @@ from flowgmo.collision.gather import mark_joined, no_contacts
 from flowgmo.collision.grid_watch import GridWatch
 from flowgmo.collision.hold import Holder
 from flowgmo.collision.laws import Law
+from flowgmo.collision.paths import HELD
 from flowgmo.collision.sleep import Sleep
 from flowgmo.collision.strike import Striker
 from flowgmo.collision.watch import Watch
@@ -98,6 +99,16 @@ class Engine:
         movers = self.arena.movers
         room.motion[movers] = self.arena.motion[movers]
         room.books += self.books
+
+    def first_meeting(self, coasting: np.ndarray, motion: np.ndarray, t0: float, t1: float) -> tuple[float, np.ndarray]:
+        """Time (inf: none before t1) and pairs (k, 2) of the first touch that is none of self.held, if the bodies
+        `coasting` (rows) go on with their velocities of motion (n,) POSE at t0. Nothing is changed but the paths."""
+        arena = self.arena
+        arena.load(motion, t0)
+        arena.paths["mode"][coasting] = HELD
+        self.watch.start(self.held, t0, t1, arena.wakeful)
+        self.watch.forget(np.stack([self.held["a"], self.held["b"]], axis=1))
+        return self.watch.next()
 
     def _leg(self, now: float, t1: float) -> float:
         """One leg from now; returns its end, at which all bodies stand."""

@@ -85,6 +85,17 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     room.held = (*_parts_of(engine.held), *engine.sleep.store(), engine.busy)
 
 
+def first_meeting(
+    world: World, state: State, motion: np.ndarray, coasting: np.ndarray, t1: float
+) -> tuple[float, np.ndarray]:
+    """See Engine.first_meeting; inf where contacts are not located in time."""
+    engine = world.collisions.engine
+    if not getattr(engine, "watch", None) or not engine.watch.located:
+        return np.inf, np.zeros((0, 2), np.int64)
+    engine.held = _held_of(state)
+    return engine.first_meeting(coasting, motion, state.t, t1)
+
+
 def _held_of(state: State) -> np.ndarray:
     """The contacts that stayed, from the State's arrays."""
     held = np.zeros(len(state.held_parts), CONTACT)

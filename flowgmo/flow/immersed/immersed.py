@@ -62,6 +62,8 @@ class Immersed:
         self.weight = np.zeros(3)  # of the liquid, rho g
         self.swept = None
         self.short: ShortCells | None = None
+        self.solved = np.zeros(0, bool)  # (b,) bodies that the pressure moves
+        self.no_exit = False  # no side of the domain lets liquid through
 
     # ---- before the liquid moves
 
@@ -81,7 +83,9 @@ class Immersed:
         self.change = VolumeChange(rows, swept.V0, swept.V1, self.open.V)
         volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
         self.growth = (swept.V1 - swept.V0) * volumes
-        self.shut_in = flow.F is None and self.covers.all_inside()
+        inside = self.covers.all_inside()
+        self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
+        self.closed = flow.F is None and (self.solved & self.no_exit | inside)
         self._widen_gaps()
         self._uncover_cells(flow)
         self.beyond = np.zeros(len(swept.V0))
@@ -107,8 +111,8 @@ class Immersed:
         """(n,) [length3/time]: what the bodies bring out of cells with these velocities, by their shares of faces."""
         out = np.zeros(len(self.cells))
         numbers = np.ravel_multi_index(tuple(self.cells.T.astype(np.int64)), self.open.V.shape)
-        for one, U in zip(self.fluxes, velocities, strict=True):
-            np.add.at(out, np.searchsorted(numbers, one.cells), one.J @ U)
+        for one, U, closed in zip(self.fluxes, velocities, np.broadcast_to(self.closed, len(self.fluxes)), strict=True):
+            np.add.at(out, np.searchsorted(numbers, one.cells), (closed_sum(one.J) if closed else one.J) @ U)
         return out
 
     def _widen_gaps(self) -> None:
