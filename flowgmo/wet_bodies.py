@@ -69,6 +69,7 @@ class WetBodies:
         ) if n > 1)  # fmt: skip
         self.velocities = np.zeros((len(self.movers), 6))
         liquid.immersed.weight = model.fluid.rho * np.asarray(model.gravity)
+        liquid.immersed.gravity = np.asarray(model.gravity, float)
         liquid.immersed.solved = np.isin(self.movers, self.coupled)
         liquid.immersed.no_exit = not any(plan.kind not in (SYMMETRY, WALL) for plan in liquid.sides.plans)
         self.coupling: Coupling | None = None
@@ -245,10 +246,10 @@ class WetBodies:
         for b in self.wet:
             one = self.liquid.immersed.fluxes[self.place[b]]
             liquid = flat[one.cells] != 0.0
-            cells, J, lift = (a[liquid] for a in one)
+            cells, J = one.cells[liquid], one.J[liquid]
             closed = np.broadcast_to(self.liquid.immersed.closed, len(self.movers))[self.place[b]]
-            parts.append(BodyFluxes(cells, closed_sum(J) if closed else J, lift))
-            lifts.append(weight_of_displaced(parts[-1], slice(None), rho, self.model.gravity))
+            parts.append(BodyFluxes(cells, closed_sum(J) if closed else J, one.lift[liquid]))
+            lifts.append(weight_of_displaced(one, liquid, rho, self.model.gravity))
         self.lifts = np.array(lifts)
         self.free = (self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.lifts)).reshape(-1)
         W, self.start = block_diagonal(self.each_inverse), self.free

@@ -117,8 +117,8 @@ class WetImpacts:
 
         def right(into: np.ndarray) -> None:
             for n, jump in zip(hit, push, strict=True):
-                cells, J, _ = coupling.fluxes[n]
-                into.reshape(-1)[cells] -= J @ jump
+                one = coupling.fluxes[n]
+                into.reshape(-1)[one.cells] -= one.J @ jump
 
         q = stages.answer_impulses(of.liquid, flow, right, coupling, of.dt)
         U = kicked + coupling.velocities(q).reshape(-1, 6)

@@ -56,8 +56,9 @@ class WetLoads:
         """The loads of the pressure as it stands, bodies where they are."""
         liquid = self.liquid
         around = liquid.immersed
+        surface = None if flow.F is None else (flow.F, liquid.gravity)
         fluxes = [
-            resting_fluxes(cover, liquid.grid, around.centres, p_WB[b])
+            resting_fluxes(cover, liquid.grid, around.centres, p_WB[b], surface)
             for b, cover in zip(self.movers, around.covers.covers, strict=True)
         ]
         liquid.projector.set_surface(flow.F)

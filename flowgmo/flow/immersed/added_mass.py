@@ -24,7 +24,7 @@ def added_mass(
     """(6, 6) about B, space axes. fluxes: in cells of the equation only; solve(right, q, digits): q (zero at first)
     becomes the solution of the pressure equation; shape: of arrays of mesh size."""
     out = np.zeros((6, 6))
-    cells, J, _ = fluxes
+    cells, J = fluxes.cells, fluxes.J
     for k in range(6):
         if not len(cells) or not J[:, k].any():
             continue

@@ -32,15 +32,18 @@ import numpy as np
 
 from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Grid
+from flowgmo.flow.immersed.waterline import waterline
 
 
 class BodyFluxes(NamedTuple):
     """Of one body: cells (m,) flat index into arrays of mesh size; J (m, 6) [length2, length3]; lift (m, 6) [length3,
-    length4]: force and moment of water at rest in a gravity of one along each axis, per density (see above)."""
+    length]: force of water at rest in a gravity of one along each axis, per density (see above), and its arm; edge
+    (m, 6) [length4/time2]: of waterline.py, None without a surface."""
 
     cells: np.ndarray
     J: np.ndarray
     lift: np.ndarray
+    edge: np.ndarray | None = None
 
 
 def body_fluxes(
@@ -50,10 +53,12 @@ def body_fluxes(
     centres: list[np.ndarray],
     place: np.ndarray,
     middle: np.ndarray | None = None,
+    surface: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> BodyFluxes:
     """The fluxes of a body: mean shares of its cells (m, 3), covered (m,) of their volumes now; place (3,) [length]: B.
 
-    centres: of cells, (n + 4,) for each direction; middle (3,): of a ball, from B to its centre; None of other bodies.
+    centres: of cells, (n + 4,) for each direction; middle (3,): of a ball, from B to its centre; None of other bodies;
+    surface: F (mesh) and gravity (3,), None where nothing is void.
     """
     at = shares.cells
     shape = tuple(len(c) for c in centres)
@@ -65,7 +70,8 @@ def body_fluxes(
     if middle is not None:
         r[:] = middle
     cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
-    return BodyFluxes(cells, np.hstack([a, np.cross(r, a)]), np.hstack([lift, r]))
+    edge = None if surface is None else waterline(cells, at, shares.faces, covered, *surface, grid)
+    return BodyFluxes(cells, np.hstack([a, np.cross(r, a)]), np.hstack([lift, r]), edge)
 
 
 def closed_sum(a: np.ndarray) -> np.ndarray:
@@ -83,7 +89,9 @@ def closed_sum(a: np.ndarray) -> np.ndarray:
 
 
 def weight_of_displaced(fluxes: BodyFluxes, liquid: np.ndarray, rho: float, gravity: np.ndarray) -> np.ndarray:
-    """(6,) force and moment about B: `lift` of the cells with liquid (m,) bool, see above."""
-    each = rho * gravity * fluxes.lift[liquid, :3]
-    r = fluxes.lift[liquid, 3:]
+    """(6,) force and moment about B: `lift` of the cells with liquid (m,) bool, see above, and `edge`."""
+    each = rho * gravity * fluxes.lift[:, :3] * liquid[:, None]
+    if fluxes.edge is not None:
+        each += rho * np.where(liquid[:, None], fluxes.edge[:, :3], fluxes.edge[:, 3:])
+    r = fluxes.lift[:, 3:]
     return np.concatenate([each.sum(axis=0), np.cross(r, each).sum(axis=0)])

@@ -28,7 +28,7 @@ class Coupling:
     def loads(self, q: np.ndarray) -> np.ndarray:
         """(6 n,): J^T q, the load of q [length2/time] in cells on the bodies, per density."""
         flat = q.reshape(-1)
-        return np.concatenate([J.T @ flat[cells] for cells, J, _ in self.fluxes])
+        return np.concatenate([one.J.T @ flat[one.cells] for one in self.fluxes])
 
     def velocities(self, q: np.ndarray) -> np.ndarray:
         """(6 n,): the change of the bodies' velocities and spins that q makes."""
@@ -38,6 +38,6 @@ class Coupling:
         """out += sign (sum of rho J M^-1 J^T) x; returns x . that sum x."""
         loads = self.loads(x)
         U, into = self.inverse_mass @ loads, out.reshape(-1)
-        for n, (cells, J, _) in enumerate(self.fluxes):
-            into[cells] += sign * (J @ U[6 * n : 6 * n + 6])
+        for n, one in enumerate(self.fluxes):
+            into[one.cells] += sign * (one.J @ U[6 * n : 6 * n + 6])
         return float(loads @ U)

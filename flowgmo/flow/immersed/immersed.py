@@ -60,6 +60,7 @@ class Immersed:
         self.covers, self.grid, self.centres, self.renew = covers, grid, centres, renew
         self.open = covers.mean
         self.weight = np.zeros(3)  # of the liquid, rho g
+        self.gravity = np.zeros(3)
         self.swept = None
         self.short: ShortCells | None = None
         self.solved = np.zeros(0, bool)  # (b,) bodies that the pressure moves
@@ -95,7 +96,9 @@ class Immersed:
         self.hold(flow.velocity)
         self.fluxes: list[BodyFluxes] = []
         for shares, covered, place, centre in zip(swept.shares, swept.covered, places, centres, strict=True):
-            self.fluxes.append(body_fluxes(self._narrowed(shares), covered, self.grid, self.centres, place, centre))
+            surface = None if flow.F is None else (flow.F, self.gravity)
+            mine = self._narrowed(shares)
+            self.fluxes.append(body_fluxes(mine, covered, self.grid, self.centres, place, centre, surface))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
 

@@ -64,6 +64,7 @@ class Couple(Protocol):
         again."""
 
 
+MUCH = 1e200  # [1/time] of a cell: an answer is asked for, whatever a sealed region would not take
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step: all of it at once would swing back
 
 
@@ -339,14 +340,14 @@ class Projector:
         """q = the answer of the liquid to right [length3/time], with the equation as it was last solved; to so many
         digits of the largest value. Where the liquid is shut in, right is made to add up to nothing."""
         m, volume = self.matrix, float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
-        self.sealed.balance(m.columns, self.wet, right, np.inf)
+        self.sealed.balance(m.columns, self.wet, right, MUCH)
         self.solver.solve(m.columns, m.arrays, right, q, digits * float(np.abs(right).max()) / volume, 100)
 
     def answer(self, velocity: list, coupling: Coupling, tolerance: float) -> Solved:
         """Push velocity by q = the answer of liquid and bodies to self.right [length3/time], with the equation as it
         was last solved. tolerance [1/time]: share of a cell that its faces may miss in a unit of time."""
         m = self.matrix
-        self.sealed.balance(m.columns, self.wet, self.right, np.inf)
+        self.sealed.balance(m.columns, self.wet, self.right, MUCH)
         self.q.fill(0.0)
         solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance, 100, None, coupling)
         self.sides.join(self.q)
