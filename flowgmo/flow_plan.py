@@ -168,6 +168,14 @@ class LoadPlan:
     wetted_area: bool
 
 
+@dataclass(frozen=True)
+class FilmPlan:
+    """Films thinner than the mesh resolves (film.py). roughness [length] of two surfaces together; None: a part of the
+    smaller body."""
+
+    roughness: float | None
+
+
 @dataclass(frozen=True, eq=False)
 class FluidPlan:
     """The liquid of a scene.
@@ -175,7 +183,7 @@ class FluidPlan:
     rho [mass/length3]; mu [mass/length/time], None without viscosity; implicit_viscosity; no_slip: walls hold viscous
     liquid; compressibility 1/(rho c²) [time2 length/mass], None where the liquid does not give way; order of momentum
     advection, 1 or 3; free_surface: there is void too; tracking of its surface, 'plic', 'donor', or None without one;
-    void_pressure: the deck's pressure that is 0 here.
+    void_pressure: the deck's pressure that is 0 here; film: between bodies, None without.
     """
 
     rho: float
@@ -194,6 +202,7 @@ class FluidPlan:
     sides: tuple[SidePlan, ...]
     planes: tuple[FlowPlane, ...]
     loads: tuple[LoadPlan, ...]
+    film: FilmPlan | None = None
 
 
 def speed_in_sight(fluid: FluidPlan, gravity: np.ndarray, extent: np.ndarray) -> float:

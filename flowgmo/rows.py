@@ -118,7 +118,8 @@ def ledger_of(model: Model) -> tuple[tuple[str, int, float], ...]:
     """Books that the scene's effects can write: name, place in State.books, +1 gives energy to the bodies, -1 takes."""
     calls = {
         "impacts": model.has("collisions") or model.has("stops"),
-        "dissipated": model.has("collisions"),  # friction, and what contact forces take from bodies that come to rest
+        # friction, what contact forces take from bodies that come to rest, and films
+        "dissipated": model.has("collisions") or model.has("film"),
         "work_prescribed": model.has("prescribed") or model.has("residual"),
         "work_loads": model.has("control loads"),
     }

@@ -136,7 +136,8 @@ def _stages_with_bodies(
             raise wet.explained(error) from error
         liquid.immersed.restore_short()
         wet.finish(liquid.projector.q, room.motion, room.rows)
-        wet.records.note(liquid.p, wet.shear_loads() if wet.friction is not None else None)
+        shear = wet.shear_loads() if wet.friction is not None else None
+        wet.records.note(liquid.p, shear, wet.squeezed[wet.movers] if wet.film is not None else None)
 
     def arrive(world: World, state: State, t1: float, room: Room) -> None:
         wet.impacts.check_ways(poses_of(state), room.motion, room.impacts, state.t, t1)

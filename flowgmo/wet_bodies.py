@@ -17,6 +17,7 @@ body, and contacts that were held take part in the pressure equation (flow/immer
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,7 +31,7 @@ from flowgmo.bodies.move import move_alone
 from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, weight_of_displaced
-from flowgmo.flow.immersed.contact_rows import constrain, rows_of_contacts
+from flowgmo.flow.immersed.contact_rows import constrain
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.liquid import Liquid
@@ -38,12 +39,14 @@ from flowgmo.mesh import SYMMETRY, WALL
 from flowgmo.model import Model
 from flowgmo.pressed import explained
 from flowgmo.state import State
-from flowgmo.wet_contacts import Contacts, slip_of
+from flowgmo.wet_contacts import held_contacts
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
 
+if TYPE_CHECKING:
+    from flowgmo.film import Film, StepFilms
+
 TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
-STICKS = 0.99  # of the friction cone: a contact within is taken to stick
 SLACK = 1e-3  # of the speed that gravity gives in a step: an approach that a contact row may leave
 MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
 
@@ -78,6 +81,11 @@ class WetBodies:
         self.names = [body.name for body in model.moving]
         self.impacts = WetImpacts(self)
         self.friction: Friction | None = None
+        self.film: Film | None = None
+        if model.fluid.film is not None and len(self.coupled):
+            from flowgmo.film import Film
+
+            self.film = Film(model, self.coupled, liquid.immersed.covers.open.V)
 
     # ---- the length of a step
 
@@ -210,29 +218,24 @@ class WetBodies:
         self.expected = self.velocities[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.rubbed = shear[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.kicked += self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.rubbed)
-        self.contacts = self._contacts(state, motion) if self.wet and len(state.held_parts) else None
+        self.contacts = None
+        if self.wet and len(state.held_parts):
+            others = np.zeros((len(motion), 6))
+            others[self.movers] = self.velocities
+            self.contacts = held_contacts(self.model, state, motion, others, self.wet, self.dt)
+        self.films = self._films(flow, motion) if self.film is not None and self.wet else None
         self.turns = 0
 
-    def _contacts(self, state: State, motion: np.ndarray) -> Contacts:
-        """The contacts that the bodies keep."""
-        number = np.full(len(motion) + 6, -1)
-        number[self.wet] = np.arange(len(self.wet))
-        a, b = state.held_parts[:, 0], state.held_parts[:, 1]
-        some = (number[a] >= 0) | (number[b] >= 0)
-        a, b, values = a[some], b[some], state.held_values[some]
-        place, velocity = np.zeros((len(motion) + 6, 3)), np.zeros((len(motion) + 6, 6))
-        place[: len(motion)] = motion["p"]
-        velocity[self.movers] = self.velocities
-        own = np.hstack([motion["v"], motion["w"]])
-        own = np.concatenate([own, np.zeros((6, 6))])
-        plan, normal, push = self.model.contacts, values[:, 3:6], values[:, 6:9]
-        pressed = (push * normal).sum(axis=1)
-        rubbed = np.linalg.norm(push - pressed[:, None] * normal, axis=1)
-        slip = slip_of(own, place, a, b, values[:, :3], normal)
-        mu = plan.friction[a, b]
-        stuck = (mu > 0.0) & (rubbed <= STICKS * mu * pressed) & (slip <= np.linalg.norm(self.model.gravity) * self.dt)
-        rows = rows_of_contacts(a, b, values[:, :3], normal, stuck, place, velocity, number, len(self.wet))
-        return Contacts(rows, mu, pressed > 0.0)
+    def _films(self, flow: object, motion: np.ndarray) -> StepFilms | None:
+        """Thin films beside the bodies, as strong as fits the way they would go with the pressure as it is now."""
+        others = np.zeros((len(motion), 6))
+        others[self.movers] = self.velocities
+        films = self.film.of_step(flow.F, motion, self.wet, others, self.dt, mean=self.loaded)
+        if films is not None:
+            loads = self._loads_by_pressure(flow)[[self.place[b] for b in self.wet]]
+            foreseen = self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, loads)
+            films.squeeze.guess(block_diagonal(self.each_inverse), foreseen.reshape(-1))
+        return films
 
     @property
     def couple(self) -> WetBodies | None:
@@ -252,8 +255,10 @@ class WetBodies:
             lifts.append(weight_of_displaced(one, liquid, rho, self.model.gravity))
         self.lifts = np.array(lifts)
         self.free = (self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.lifts)).reshape(-1)
-        W, self.start = block_diagonal(self.each_inverse), self.free
-        self.free_inverse = W
+        W = block_diagonal(self.each_inverse)
+        if self.films is not None:
+            W, self.free = self.films.squeeze.soften(W, self.free)
+        self.free_inverse, self.start = W, self.free
         if self.contacts is not None:
             W, self.start, self.inverse = constrain(W, self.free, *self.contacts.pressed())
         for n, part in enumerate(parts):
@@ -263,10 +268,14 @@ class WetBodies:
 
     def contacts_changed(self, q: np.ndarray) -> bool:
         """See projection.Couple."""
-        if self.contacts is None or self.turns >= MOST_TURNS:
+        if (self.contacts is None and self.films is None) or self.turns >= MOST_TURNS:
             return False
         self.turns += 1
         U = self.start + self.coupling.velocities(q)
+        if self.films is not None and self.films.squeeze.unfit(U):
+            return True
+        if self.contacts is None:
+            return False
         free = self.free + self.model.fluid.rho * (self.free_inverse @ self.coupling.loads(q))
         slack = SLACK * np.linalg.norm(self.model.gravity) * self.dt
         return self.contacts.look(U, free, self.inverse, slack)
@@ -276,6 +285,9 @@ class WetBodies:
         loads with which they move on."""
         U = (self.start + self.coupling.velocities(q)).reshape(-1, 6) if self.wet else np.zeros((0, 6))
         self.reached = U  # what the liquid's velocities fit
+        self.squeezed = np.zeros((len(motion), 6))
+        if self.films is not None:
+            self.squeezed = self.films.loads(U.reshape(-1))
         if self.loaded:
             self.planned = 0.5 * (U + np.hstack([motion["v"][self.wet], motion["w"][self.wet]]))
             self._load(q, motion)
@@ -293,7 +305,7 @@ class WetBodies:
         control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, loads)
         if self.wet:
             pressed = (self.model.fluid.rho / self.dt) * self.coupling.loads(q).reshape(-1, 6)
-            loads[self.wet] += pressed + self.lifts + self.rubbed
+            loads[self.wet] += pressed + self.lifts + self.rubbed + self.squeezed[self.wet]
         entries, first = self.flying_laws.entries, self.flying_laws.rows["first"]
         for b in self.coupled:
             for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):

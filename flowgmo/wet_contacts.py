@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.flow.immersed.contact_rows import Rows
+from flowgmo.flow.immersed.contact_rows import Rows, rows_of_contacts
+from flowgmo.model import Model
+from flowgmo.state import State
+
+STICKS = 0.99  # of the friction cone: a contact within is taken to stick
 
 
 class Contacts:
@@ -35,6 +39,30 @@ class Contacts:
         changed = bool((new != self.active).any() or (stuck != self.rows.stuck).any())
         self.active, self.rows = new, self.rows._replace(stuck=stuck)
         return changed
+
+
+def held_contacts(
+    model: Model, state: State, motion: np.ndarray, others: np.ndarray, wet: list[int], dt: float
+) -> Contacts:
+    """The contacts that the bodies `wet` (rows) have kept until now. motion (n,) POSE; others (n, 6): velocities of the
+    bodies in the step, those that are not solved for count."""
+    number = np.full(len(motion) + 6, -1)
+    number[wet] = np.arange(len(wet))
+    a, b = state.held_parts[:, 0], state.held_parts[:, 1]
+    some = (number[a] >= 0) | (number[b] >= 0)
+    a, b, values = a[some], b[some], state.held_values[some]
+    sides = np.zeros((6, 6))  # of the domain
+    place = np.concatenate([motion["p"], sides[:, :3]])
+    own = np.concatenate([np.hstack([motion["v"], motion["w"]]), sides])
+    point, normal, push = values[:, :3], values[:, 3:6], values[:, 6:9]
+    pressed = (push * normal).sum(axis=1)
+    rubbed = np.linalg.norm(push - pressed[:, None] * normal, axis=1)
+    slip = slip_of(own, place, a, b, point, normal)
+    mu = model.contacts.friction[a, b]
+    stuck = (mu > 0.0) & (rubbed <= STICKS * mu * pressed) & (slip <= np.linalg.norm(model.gravity) * dt)
+    velocity = np.concatenate([others, sides])
+    rows = rows_of_contacts(a, b, point, normal, stuck, place, velocity, number, len(wet))
+    return Contacts(rows, mu, pressed > 0.0)
 
 
 def slip_of(

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flowgmo.bodies.inverse_masses import block_diagonal
 from flowgmo.errors import StepTooLong
 from flowgmo.flow import stages
 from flowgmo.flow.immersed.added_mass import added_mass, wet_inverse
@@ -94,9 +95,10 @@ class WetImpacts:
             k = of.place[b]
             reach = of.reach[k] if of.balls[k] is None else 0.0
             off = float(np.linalg.norm(astray[:3]) + reach * np.linalg.norm(astray[3:])) / of.cell
-            if off <= ASTRAY:
-                continue
             hit = first_impact(impacts, b)
+            pushed = hit < t1 and float(of.squeezed[b] @ way_of(before[b], after[b])) > 0.0  # films hold back
+            if off <= ASTRAY and not pushed:
+                continue
             share = max(AFTER * (hit - t0) / dt, LEAST)
             if share < 1.0 or off > FAR:
                 text = f"contacts lead body {of.names[k]} {off:.3g} of a cell away from its way"
@@ -113,7 +115,7 @@ class WetImpacts:
         U = np.hstack([motion["v"][which], motion["w"][which]])
         kicked = U + np.einsum("bij,bj->bi", of.each_inverse, owed[which])
         push = kicked[hit] - of.reached[hit]
-        coupling = Coupling(of.coupling.fluxes, of.free_inverse, of.model.fluid.rho)
+        coupling = Coupling(of.coupling.fluxes, block_diagonal(of.each_inverse), of.model.fluid.rho)
 
         def right(into: np.ndarray) -> None:
             for n, jump in zip(hit, push, strict=True):

@@ -19,7 +19,7 @@ from flowgmo.bodies.kicks import control_loads_at
 from flowgmo.bodies.laws import Laws
 from flowgmo.flow.observe.body_loads import BodyLoads, pressure_loads, resting_fluxes, wetted_area
 from flowgmo.flow.observe.buoyancy import buoyancy_centre
-from flowgmo.state import FROM_LOADS, FROM_PRESCRIBED
+from flowgmo.state import FROM_LOADS, FROM_PRESCRIBED, LOST_IN_FRICTION
 
 
 class WetLoads:
@@ -44,13 +44,13 @@ class WetLoads:
 
     # ---- loads
 
-    def note(self, p: np.ndarray, shear: np.ndarray | None = None) -> None:
+    def note(self, p: np.ndarray, shear: np.ndarray | None = None, film: np.ndarray | None = None) -> None:
         """After the projection: the mean loads of the step. p (mesh) [mass/length/time2]: its pressure; shear
-        (movers, 6): of the liquid's friction, None without."""
+        (movers, 6): of the liquid's friction, film (movers, 6): of thin films; None without."""
         liquid = self.liquid
         wet = liquid.projector.matrix.diagonal
         found = pressure_loads(liquid.immersed.fluxes, wet, p, liquid.plan.rho, liquid.gravity)
-        self.loads = BodyLoads(found, shear)
+        self.loads = BodyLoads(found, shear, film)
 
     def at_start(self, flow: object, p_WB: np.ndarray) -> None:
         """The loads of the pressure as it stands, bodies where they are."""
@@ -65,7 +65,8 @@ class WetLoads:
         wet = liquid.projector.wet
         rubs = liquid.momentum.operators is not None and liquid.plan.no_slip
         shear = np.zeros((len(self.movers), 6)) if rubs else None
-        self.loads = BodyLoads(pressure_loads(fluxes, wet, flow.p, liquid.plan.rho, liquid.gravity), shear)
+        found = pressure_loads(fluxes, wet, flow.p, liquid.plan.rho, liquid.gravity)
+        self.loads = BodyLoads(found, shear, None if liquid.plan.film is None else np.zeros_like(found))
 
     def of_all(self, count: int) -> np.ndarray:
         """(count, 6): force and torque about B on every body of the deck, 0 where it stands still."""
@@ -81,6 +82,8 @@ class WetLoads:
             one = {"force": total[k, :3], "torque": total[k, 3:], "force_pressure": self.loads.pressure[k, :3]}
             if self.loads.shear is not None:
                 one["force_shear"] = self.loads.shear[k, :3]
+            if self.loads.film is not None:
+                one["force_film"] = self.loads.film[k, :3]
             out |= {f"bodies/{name}/{part}": np.repeat(value[None], rows, axis=0) for part, value in one.items()}
         return out
 
@@ -104,6 +107,9 @@ class WetLoads:
         """Add a step's work to the books: before, after (n,) POSE; wet: coupled bodies that the liquid touches; middle
         [time] of the step."""
         loads = dict(zip(self.movers.tolist(), self.loads.total, strict=True))
+        if self.loads.film is not None:
+            for b, film in zip(self.movers, self.loads.film, strict=True):
+                books[LOST_IN_FRICTION] -= film @ way_of(before[b], after[b])
         for b in self.driven:
             books[FROM_PRESCRIBED] -= loads[int(b)] @ way_of(before[b], after[b])
         if self.pushed:  # the engine booked the liquid's load as it books control loads

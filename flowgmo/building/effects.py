@@ -86,6 +86,8 @@ def _of_fluid(fluid: FluidPlan) -> Found:
     if fluid.free_surface:
         how = {"plic": "as planes in cells", "donor": "by the cell it comes from"}[fluid.tracking]
         yield "free surface", f"liquid and void; the surface moves {how}", "ITB"
+    if fluid.film is not None:
+        yield "film", "what the mesh misses of the force of liquid squeezed out of narrow gaps", "LUBRICATION"
     if fluid.loads:
         text = f"load of the liquid on {len(fluid.loads)} fixed component{'s' if len(fluid.loads) > 1 else ''}"
         yield "loads", text, "IFRCO", fluid.loads[0].body

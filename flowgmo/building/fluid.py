@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from flowgmo.bodies.body import SOLID, Body
+from flowgmo.bodies.body import COUPLED, SOLID, Body
 from flowgmo.building.boundaries import build_sides, check_balance, check_directions
 from flowgmo.building.findings import Findings
 from flowgmo.building.gauges import build_loads, build_planes, check_probes
 from flowgmo.building.liquid import build_start
 from flowgmo.building.memory import check_memory
 from flowgmo.building.wet_bodies import check_wet_bodies
-from flowgmo.flow_plan import GROWTH, MOST_COURANT, CleanUp, FluidPlan, PressurePlan, StepPlan
+from flowgmo.flow_plan import GROWTH, MOST_COURANT, CleanUp, FilmPlan, FluidPlan, PressurePlan, StepPlan
 from flowgmo.mesh import Mesh
 
 #: what the pressure does to the step; multigrid needs 3 to 9 iterations at any step, so that their number says nothing
@@ -49,6 +49,7 @@ def build_fluid(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> FluidP
         sides=sides,
         planes=build_planes(found, mesh),
         loads=build_loads(found, bodies),
+        film=_film(found, bodies, mu),
     )
 
 
@@ -64,6 +65,22 @@ def _viscosity(found: Findings) -> float | None:
     if mu == 0.0:
         found.notice("IFVISC", wrong="the viscosity is zero, so that this has no effect", write="Give mu1 in &props")
     return mu or None
+
+
+def _film(found: Findings, bodies: tuple[Body, ...], mu: float | None) -> FilmPlan | None:
+    """Where the liquid sticks to walls and moves bodies."""
+    deck = found.deck
+    moved = any(body.kind == COUPLED for body in bodies)
+    if mu is None or deck["IWSH"] != 1 or not moved or not deck["LUBRICATION"]:
+        for name in ("LUBRICATION", "FILMROUGH"):
+            if deck.given(name) and deck["LUBRICATION"]:
+                why = "no body is moved by the liquid" if not moved else "the liquid is not viscous"
+                why = "the liquid slides along walls (iwsh=0)" if moved and mu is not None else why
+                found.notice(name, wrong=f"no effect: {why}")
+            elif name == "FILMROUGH" and deck.given(name):
+                found.notice(name, wrong="no effect: lubrication=.false. switches the film off")
+        return None
+    return FilmPlan(float(deck["FILMROUGH"]) if deck.given("FILMROUGH") else None)
 
 
 def _steps(found: Findings) -> StepPlan:

@@ -74,9 +74,9 @@ class _Rows(NamedTuple):
 NOTHING = _Rows(np.zeros(0, PIECE), np.zeros((0, 3)), np.zeros(0, FACET), np.zeros(0, SPOKE), np.zeros((0, 2, 3)))
 
 
-def build_pieces(model: Model) -> Shapes:
-    """Pieces of every party that can collide; the others have none."""
-    n, allowed = len(model.bodies), model.contacts.allowed
+def build_pieces(model: Model, allowed: np.ndarray | None = None) -> Shapes:
+    """Pieces of every party that can collide, or of those in allowed (n+6, n+6); the others have none."""
+    n, allowed = len(model.bodies), model.contacts.allowed if allowed is None else allowed
     scene, rows, trees = _scene(model), [], []
     error, size = np.zeros(n + 6), np.zeros(n + 6)
     for party in range(n + 6):

@@ -88,6 +88,7 @@ IGNORE_UNSUPPORTED | logical | | .false. | - | | - | runs although the deck asks
 = computed, needs liquid
 WETIMPACT | char | | 'wet' | - | 'wet' 'dry' | - | impacts in liquid: with the liquid's inertia or without
 LUBRICATION | logical | | .true. | - | | - | force of the film in narrow gaps; acts with viscosity
+FILMROUGH | real | | - | length | > 0 | - | roughness at which that force ends to grow; else 1e-4 of the smaller body
 PLANEX PLANEY PLANEZ | real | k | - | length | | - | plane of constant {axis} whose flow is recorded
 PLANEXL PLANEXH PLANEYL PLANEYH PLANEZL PLANEZH | real | k | @unbounded | length | | - | \
     {side} bound of such a plane in {axis}

@@ -79,6 +79,7 @@ LIQUID = {
         "torque": ((3,), "torque", "space axes, about the attribute `point` of the group", "torque of the liquid"),
         "force_pressure": ((3,), "force", "space axes", "part of the force that pressure makes"),
         "force_shear": ((3,), "force", "space axes", "part of the force that viscous shear makes"),
+        "force_film": ((3,), "force", "space axes", "part of the force that films thinner than the mesh resolves make"),
         "wetted_area": ((), "area", "", "area of the wall that liquid touches"),
         "buoyancy_centre": (
             (3,),

@@ -27,16 +27,18 @@ from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, weight_of
 
 
 class BodyLoads(NamedTuple):
-    """Of the liquid on k bodies: force and torque about B (k, 6) [force, torque] by pressure and by shear; shear None
-    where no viscosity acts on them."""
+    """Of the liquid on k bodies: force and torque about B (k, 6) [force, torque] by pressure, by shear, and of films
+    that the mesh does not see (film.py); None where there is no such."""
 
     pressure: np.ndarray
     shear: np.ndarray | None
+    film: np.ndarray | None = None
 
     @property
     def total(self) -> np.ndarray:
         """(k, 6)."""
-        return self.pressure if self.shear is None else self.pressure + self.shear
+        total = self.pressure if self.shear is None else self.pressure + self.shear
+        return total if self.film is None else total + self.film
 
 
 def pressure_loads(

@@ -1,0 +1,234 @@
+"""The films of a scene: which gaps are thin, and what the liquid in them does to the bodies of a step.
+
+Between coupled bodies and all they may meet: bodies, solids, domain sides; not pairs that overlap at the start, and
+with collisions only those that may collide. The law is in flow/immersed/film.py, how far a film reaches in
+film_patch.py. A film pushes at its middle: it does not resist tilting, so that a plate may be peeled off at an edge.
+
+A side of the domain that is a mirror lets the liquid slide: a quarter of the force. Films that lie partly outside the
+domain count by the part inside: a quarter of a ball, cut by two mirrors, has a quarter of the film. Where there is a
+free surface they count by the liquid of the cells around. Of a pair that is near at several places whose normals differ
+each is a film; places with one normal are one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from flowgmo.bodies.arrays import POSE
+from flowgmo.bodies.energy import rotation_matrices
+from flowgmo.collision.gaps import Gaps
+from flowgmo.film_patch import Patch, measured, of_balls
+from flowgmo.flow.fields import G
+from flowgmo.flow.immersed.contact_rows import rows_of_contacts
+from flowgmo.flow.immersed.film import REACH, Films, Squeeze, strength_of
+from flowgmo.mesh import SYMMETRY, WALL
+from flowgmo.model import Model
+
+Array = np.ndarray
+
+ROUGH = 1e-4  # of the smaller body: polished balls of millimetres have .1 to 1 um (Joseph et al 2001)
+FLAT = 1e-2  # of the smaller body: plane faces are not so plane; a box on its bed would be held by h^-3 for minutes
+ALIKE = 0.99  # cosine of the angle between normals of one film
+PLATE = 3.0  # power of a film that ends at edges all around
+OVERLAP = 1e-6  # of the smaller body: deeper at the start, a pair is none (as in building/contacts.py)
+NARROW = 1e-9  # along an axis whose part is less a film has no extent
+SLIPPERY = 0.25  # of the force: a film between a wall and a surface on which it slides
+
+
+class Found(NamedTuple):
+    """One film: parties a < b, place (3,), normal (3,) from b to a, gap, strength, power, cell, rough as of Films."""
+
+    a: int
+    b: int
+    place: Array
+    normal: Array
+    gap: float
+    strength: float
+    power: float
+    cell: float
+    rough: float
+
+
+class StepFilms:
+    """The films of one step: squeeze, their law; where they push."""
+
+    def __init__(self, found: list[Found], squeeze: Squeeze, centres: Array) -> None:
+        self.found, self.squeeze, self.centres = found, squeeze, centres
+
+    def loads(self, U: Array) -> Array:
+        """(n, 6): force and moment about B of the films on every body, when the step ends with U (6 n solved for,)."""
+        out = np.zeros((len(self.centres), 6))
+        force = self.squeeze.impulses(U) / self.squeeze.dt
+        for one, size in zip(self.found, force, strict=True):
+            for party, sign in ((one.a, size), (one.b, -size)):
+                arm = one.place - self.centres[party]
+                out[party] += sign * np.concatenate([one.normal, np.cross(arm, one.normal)])
+        return out[:-6]
+
+
+class Film:
+    """Of one scene. coupled: rows of the bodies that the pressure moves; V (mesh): what is open now."""
+
+    def __init__(self, model: Model, coupled: Array, V: Array) -> None:
+        self.model, self.V = model, V
+        self.n, self.bounds, self.planes = len(model.bodies), model.mesh.bounds, model.mesh.blocks[0].planes
+        self.present = np.array([len(x) > 2 for x in self.planes])
+        self.widest = max(float(np.diff(x).max()) for x, there in zip(self.planes, self.present, strict=True) if there)
+        self.balls = [body.shape.as_sphere() for body in model.bodies]
+        self.size = np.array([_radius(body.shape) for body in model.bodies] + [np.inf] * 6)
+        self.slippery = {self.n + side.number for side in model.mesh.sides if side.kind == SYMMETRY}
+        self.whole = float(np.linalg.norm(np.ptp(self.bounds, axis=0)))
+        self.gaps = Gaps(model, self._allowed(coupled))
+        start = np.zeros(self.n, POSE)
+        start["p"], start["q"][:, 0] = [body.origin for body in model.bodies], 1.0
+        deep = [one for one in self.gaps.near(start, 0.0) if one["gap"] < -OVERLAP * self._smaller(one["a"], one["b"])]
+        self.overlapping = {(int(one["a"]), int(one["b"])) for one in deep}
+
+    def _smaller(self, a: int, b: int) -> float:
+        return float(min(self.size[a], self.size[b], self.whole))
+
+    def _allowed(self, coupled: Array) -> Array:
+        """(n + 6, n + 6): pairs that are looked at. A body that reaches out through a side has no film there."""
+        n = self.n
+        allowed = np.zeros((n + 6, n + 6), bool)
+        allowed[coupled, :n] = True
+        for side in self.model.mesh.sides:
+            axis, upper = divmod(side.number, 2)
+            if side.kind not in (SYMMETRY, WALL) or not self.present[axis]:
+                continue
+            for b in coupled:
+                end = self.model.bodies[b].shape.bounds()[upper, axis]
+                out = (end - self.bounds[upper, axis]) * (1.0 if upper else -1.0)
+                allowed[b, n + side.number] = out <= OVERLAP * self._smaller(b, b)
+        allowed |= allowed.T
+        np.fill_diagonal(allowed, False)
+        return allowed if self.model.contacts is None else allowed & self.model.contacts.allowed
+
+    def of_step(
+        self, F: Array | None, motion: Array, wet: list[int], velocity: Array, dt: float, *, mean: bool
+    ) -> StepFilms | None:
+        """The films of a step from motion (n,) POSE; None where there is none.
+
+        F (mesh) or None; wet: bodies that are solved for; velocity (n, 6): of the others in this step; mean: the gaps
+        go the way of the mean of the velocities at both ends of the step, else of the end.
+        """
+        found = []
+        for group in _groups(self.gaps.near(motion, REACH * self.widest)):
+            if (int(group["a"][0]), int(group["b"][0])) not in self.overlapping:
+                found += self._film(group, F, motion)
+        if not found:
+            return None
+        number = np.full(self.n + 6, -1)
+        number[wet] = np.arange(len(wet))
+        centres, others = np.zeros((self.n + 6, 3)), np.zeros((self.n + 6, 6))
+        centres[: self.n], others[: self.n] = motion["p"], velocity
+        a, b, place, normal, *values = (np.array(column) for column in zip(*found, strict=True))
+        none = np.zeros(len(a), bool)
+        rows = rows_of_contacts(a, b, place, normal, none, centres, others, number, len(wet))
+        before = np.hstack([motion["v"], motion["w"]])[wet].reshape(-1)
+        rate0 = rows.normal @ before - rows.speed
+        gap, strength, power, cell, rough = values
+        films = Films(gap, strength, power, cell, rough)
+        return StepFilms(found, Squeeze(films, rows.normal, rows.speed, rate0, dt, mean=mean), centres)
+
+    def _film(self, group: Array, F: Array | None, motion: Array) -> list[Found]:
+        """The film of contacts of one pair with one normal: one, or none."""
+        a, b = int(group["a"][0]), int(group["b"][0])
+        gap = max(float(group["gap"].min()), 0.0)
+        cell = self._cell(group["point"].mean(axis=0), group["normal"][0])
+        if gap >= REACH * cell:
+            return []
+        given, size = self.model.fluid.film.roughness, self._smaller(a, b)
+        for rough in (given,) if given is not None else (ROUGH * size, FLAT * size):
+            h = gap + rough
+            near = np.maximum(1.0 - (group["gap"] - group["gap"].min()) / h, 0.0)  # those within which the gap doubles
+            place = (near[:, None] * group["point"]).sum(axis=0) / near.sum()
+            normal = (near[:, None] * group["normal"]).sum(axis=0)
+            normal /= np.linalg.norm(normal)
+            patch = self._patch(a, b, place, normal, h, motion)
+            if patch.power < PLATE:
+                break
+        cell = self._cell(patch.place, normal)
+        share = self._inside(patch, h) * self._wet(patch, h, cell, F) * (SLIPPERY if b in self.slippery else 1.0)
+        if share <= 0.0 or gap >= REACH * cell:
+            return []
+        strength = share * float(strength_of(patch.curvatures[None], h, self.model.fluid.mu)[0])
+        return [Found(a, b, patch.place, normal, gap, strength, patch.power, cell, rough)]
+
+    def _patch(self, a: int, b: int, place: Array, normal: Array, h: float, motion: Array) -> Patch:
+        radii = [self._ball_radius(a), self._ball_radius(b)]
+        if radii[0] is not None and radii[1] is not None:
+            return of_balls(place, normal, 1.0 / radii[0] + 1.0 / radii[1])
+        distances = [self._distance(party, motion) for party in (a, b)]
+        return measured(lambda x: distances[0](x) + distances[1](x), place, normal, h, self.whole)
+
+    def _ball_radius(self, party: int) -> float | None:
+        """Of a ball, infinite of a side of the domain; None of others."""
+        if party >= self.n:
+            return np.inf
+        ball = self.balls[party]
+        return None if ball is None else ball[1]
+
+    def _distance(self, party: int, motion: Array) -> Callable[[Array], Array]:
+        """Distances (m,) of points (m, 3) from a party where it stands."""
+        if party >= self.n:
+            axis, upper = divmod(party - self.n, 2)
+            return lambda x: np.abs(x[:, axis] - self.bounds[upper, axis])
+        body, R = self.model.bodies[party], rotation_matrices(motion["q"][party : party + 1])[0]
+        return lambda x: body.shape.distance((x - motion["p"][party]) @ R + body.origin)
+
+    def _cell(self, place: Array, normal: Array) -> float:
+        """Width [length] of the cell at a place along a normal."""
+        widths = np.array([x[k + 1] - x[k] for x, k in zip(self.planes, self._cell_at(place), strict=True)])
+        return float(np.linalg.norm(widths * normal * self.present)) or self.widest
+
+    def _inside(self, patch: Patch, h: float) -> float:
+        """Share of a film that lies in the domain."""
+        share = 1.0
+        for axis in range(3):
+            across = patch.lines[:, axis]
+            if np.abs(across).max() > NARROW:
+                reach = np.sqrt((2.0 * h / patch.curvatures * across**2).sum())
+                ends = (self.bounds[:, axis] - patch.place[axis]) * (-1.0, 1.0)
+                share *= 0.5 * np.clip(ends / reach, -1.0, 1.0).sum()
+        return max(share, 0.0)
+
+    def _wet(self, patch: Patch, h: float, cell: float, F: Array | None) -> float:
+        """Share of liquid in what is open of the cells around a film's middle, and a cell beyond its four ends."""
+        if F is None:
+            return 1.0
+        ways = (np.sqrt(2.0 * h / patch.curvatures) + cell)[:, None] * patch.lines
+        liquid, total = 0.0, 0.0
+        for place in patch.place + np.concatenate([np.zeros((1, 3)), ways, -ways]):
+            at = self._cell_at(place)
+            around = tuple(slice(k + G - 1, k + G + 2) for k in at)
+            liquid += float((self.V[around] * F[around].clip(0.0, 1.0)).sum())
+            total += float(self.V[around].sum())
+        return liquid / total if total > 0.0 else 0.0
+
+    def _cell_at(self, place: Array) -> list[int]:
+        """Numbers of the cell, ghosts not counted, that is nearest to a place."""
+        return [int(np.clip(np.searchsorted(x, p) - 1, 0, len(x) - 2)) for x, p in zip(self.planes, place, strict=True)]
+
+
+def _groups(contacts: Array) -> list[Array]:
+    """Contacts (m,) CONTACT, sorted by pair, told apart by pair and normal."""
+    groups: list[list[int]] = []
+    for k, one in enumerate(contacts):
+        for group in groups:
+            first = contacts[group[0]]
+            if first["a"] == one["a"] and first["b"] == one["b"] and first["normal"] @ one["normal"] > ALIKE:
+                group.append(k)
+                break
+        else:
+            groups.append([k])
+    return [contacts[group] for group in groups]
+
+
+def _radius(shape: object) -> float:
+    """Half of the largest finite extent of a shape [length]; inf where there is none."""
+    extent = np.ptp(shape.bounds(), axis=0)
+    return 0.5 * float(extent[np.isfinite(extent)].max(initial=0.0)) or np.inf
