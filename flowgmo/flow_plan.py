@@ -183,7 +183,8 @@ class FluidPlan:
     rho [mass/length3]; mu [mass/length/time], None without viscosity; implicit_viscosity; no_slip: walls hold viscous
     liquid; compressibility 1/(rho c²) [time2 length/mass], None where the liquid does not give way; order of momentum
     advection, 1 or 3; free_surface: there is void too; tracking of its surface, 'plic', 'donor', or None without one;
-    void_pressure: the deck's pressure that is 0 here; film: between bodies, None without.
+    void_pressure: the deck's pressure that is 0 here; film: between bodies, None without; coupled_together: the
+    pressure and the bodies that it moves are found together, not one after the other.
     """
 
     rho: float
@@ -203,6 +204,7 @@ class FluidPlan:
     planes: tuple[FlowPlane, ...]
     loads: tuple[LoadPlan, ...]
     film: FilmPlan | None = None
+    coupled_together: bool = True
 
 
 def speed_in_sight(fluid: FluidPlan, gravity: np.ndarray, extent: np.ndarray) -> float:

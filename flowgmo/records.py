@@ -13,7 +13,8 @@ REGIMES = ("slip", "stick", "reversal", "jam", "cluster", "rest", "limit")
 SLIP, STICK, REVERSAL, JAM, CLUSTER, REST, LIMIT = range(len(REGIMES))
 
 #: One impact. a, b: component numbers; -1 .. -6 domain sides Xmin .. Zmax; 0 a stop. normal: unit, from b to a.
-#: impulse on a, space axes. cluster: shared number of one cluster. count: bounces that a closed series stands for.
+#: impulse on a, fluid_impulse what the liquid around both gets of it, space axes. cluster: shared number of one
+#: cluster. count: bounces that a closed series stands for.
 IMPACT = np.dtype(
     [
         ("time", "f8"),
@@ -22,6 +23,7 @@ IMPACT = np.dtype(
         ("point", "f8", 3),
         ("normal", "f8", 3),
         ("impulse", "f8", 3),
+        ("fluid_impulse", "f8", 3),
         ("e", "f8"),
         ("mu", "f8"),
         ("regime", "i4"),

@@ -131,9 +131,13 @@ class Job:
         if self.world.liquid is None:
             return
         self.snapshots.V = self.fields.V = self.world.liquid.openings.V
-        from flowgmo.step import start_liquid
+        from flowgmo.step import poses_of, start_liquid
 
         start_liquid(self.world, self.state)
+        wet = self.world.wet_bodies
+        if wet is not None and wet.explicit is not None:
+            for text in wet.explicit.compare_masses(self.state.fluid, poses_of(self.state), self.model.clock.dt):
+                self.log.notice(text)
 
     def _write_snapshot(self, state: State) -> None:
         self.snapshots.write(state)

@@ -11,6 +11,7 @@
 | hold    | held at a stop           | (n, 4)  | -1, 0, +1   | x y z, angle  | step                |
 | support | flats a ball rests on    | (n, 3)  | flat or -1  |               | collisions          |
 | books   | energy given and lost    | (BOOKS) | energy      |               | step                |
+| owed    | friction owed to bodies that move after the liquid, `impmob=0` | (n, 6) | momentum | space | step |
 
 B is the mass centre, or the reference point of a body without mass (bodies/body.py). Stationary bodies keep their
 rows so that a body's row is its deck number minus one. `fluid` holds the mesh fields (u v w p F V Ax Ay Az, places in
@@ -53,6 +54,7 @@ class State:
     general: bool  # the closed forms of balls no longer do: the contact engine has taken over (collision/stage.py)
     busy: bool  # impacts are too many to be resolved one by one (collision/crowd.py)
     books: np.ndarray
+    owed: np.ndarray
     fluid: Flow | None = None
 
     def advance_clock(self, t: float, landing: bool) -> None:
@@ -93,6 +95,7 @@ def initial_state(model: Model) -> State:
         general=False,
         busy=False,
         books=np.zeros(len(BOOKS)),
+        owed=np.zeros((n, 6)),
     )
     return state
 

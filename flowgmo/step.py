@@ -122,10 +122,12 @@ def _stages_with_bodies(
     from flowgmo.wet_bodies import WetBodies
 
     wet = WetBodies(model, arrays, laws, liquid)
+    alone = wet.explicit
 
     def expect(world: World, state: State, t1: float, room: Room) -> None:
-        wet.impacts.foresee(world, state, room.motion, t1)
-        wet.expect(state.fluid, room.motion, state.t, t1, state.held_parts)
+        told = None if alone is None else alone.foresee(state, room.motion, t1)
+        wet.impacts.foresee(world, state, room.motion if told is None else told, t1)
+        wet.expect(state.fluid, room.motion, state.t, t1, state.held_parts, told)
 
     def project(world: World, state: State, t1: float, room: Room) -> None:
         dt = t1 - state.t
@@ -139,6 +141,14 @@ def _stages_with_bodies(
         shear = wet.shear_loads() if wet.friction is not None else None
         wet.records.note(liquid.p, shear, wet.squeezed[wet.movers] if wet.film is not None else None)
 
+    def project_after_bodies(world: World, state: State, t1: float, room: Room) -> None:
+        try:
+            stages.project(liquid, state.fluid, t1 - state.t)
+        except StepFailed as error:
+            raise wet.explained(error) from error
+        liquid.immersed.restore_short()
+        alone.finish(room.motion, room.rows, room.owed)
+
     def arrive(world: World, state: State, t1: float, room: Room) -> None:
         wet.impacts.check_ways(poses_of(state), room.motion, room.impacts, state.t, t1)
         liquid.immersed.arrive(wet.poses(room.motion))
@@ -150,7 +160,8 @@ def _stages_with_bodies(
     def answer_impacts(world: World, state: State, t1: float, room: Room) -> None:
         wet.impacts.settle(state.fluid, room.motion, room.owed)
 
-    before = [("open fractions", expect), ("momentum", predict), ("pressure", project)]
+    solve = project if alone is None else project_after_bodies
+    before = [("open fractions", expect), ("momentum", predict), ("pressure", solve)]
     after = [("open fractions", arrive)]
     if model.fluid.free_surface:
         after.append(("liquid", move_liquid))

@@ -39,7 +39,8 @@ from flowgmo.mesh import SYMMETRY, WALL
 from flowgmo.model import Model
 from flowgmo.pressed import explained
 from flowgmo.state import State
-from flowgmo.wet_contacts import held_contacts
+from flowgmo.wet_contacts import Contacts, held_contacts
+from flowgmo.wet_explicit import Explicit
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
 
@@ -81,11 +82,14 @@ class WetBodies:
         self.names = [body.name for body in model.moving]
         self.impacts = WetImpacts(self)
         self.friction: Friction | None = None
+        self.explicit = None if model.fluid.coupled_together else Explicit(self)
+        self.solved = self.coupled if self.explicit is None else self.coupled[:0]  # those the pressure moves
         self.film: Film | None = None
-        if model.fluid.film is not None and len(self.coupled):
+        if model.fluid.film is not None and len(self.solved):
             from flowgmo.film import Film
 
             self.film = Film(model, self.coupled, liquid.immersed.covers.open.V)
+        self.squeezed = np.zeros((len(arrays), 6))  # by films
 
     # ---- the length of a step
 
@@ -106,11 +110,14 @@ class WetBodies:
 
     # ---- stages
 
-    def expect(self, flow: object, motion: np.ndarray, t0: float, t1: float, held: np.ndarray) -> None:
+    def expect(
+        self, flow: object, motion: np.ndarray, t0: float, t1: float, held: np.ndarray, told: np.ndarray | None = None
+    ) -> None:
         """Open fractions for the step from motion (n,) POSE at t0 to where the bodies are expected at t1. held:
-        parties (k, 2) of the contacts that are kept."""
-        dt, then = t1 - t0, self._expected(motion, t0, t1)
-        middle = self._expected(motion, t0, 0.5 * (t0 + t1))
+        parties (k, 2) of the contacts that are kept; told: motion with the velocities they will have, where known."""
+        told = motion if told is None else told
+        dt, then = t1 - t0, self.poses_then(told, t0, t1)
+        middle = self.poses_then(told, t0, 0.5 * (t0 + t1))
         m = self.movers
         speed = float(self.speeds(then["v"], then["w"]).max(initial=0.0))
         ways = np.linalg.norm(then["p"][m] - motion["p"][m], axis=1)  # a jump within the step may be over at its end
@@ -120,18 +127,18 @@ class WetBodies:
         places = 0.5 * (motion["p"][m] + then["p"][m])
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
         self.liquid.immersed.begin(
-            flow, self.poses(then), self.poses(middle), places, self.velocities, self._middles(then)
+            flow, self.poses(then), self.poses(middle), places, self.velocities, self.middles(then)
         )
         self.liquid.find_columns(flow.F)
         self._meet_walls(flow, motion, t0, t1, places, held)
         self.liquid.immersed.fill_short(self.liquid.near, flow.F)
 
-    def _middles(self, motion: np.ndarray) -> list[np.ndarray | None]:
+    def middles(self, motion: np.ndarray) -> list[np.ndarray | None]:
         """From B to the centre of each moving ball; None for other bodies."""
         R = rotation_matrices(motion["q"][self.movers])
         return [None if c is None else turn @ c for c, turn in zip(self.balls, R, strict=True)]
 
-    def _expected(self, motion: np.ndarray, t0: float, t1: float) -> np.ndarray:
+    def poses_then(self, motion: np.ndarray, t0: float, t1: float) -> np.ndarray:
         """motion (n,) POSE at t1: prescribed bodies as they will be, others as they move now."""
         then = motion.copy()
         self._drive(then, t0, t1)
@@ -154,12 +161,12 @@ class WetBodies:
         m, dt = self.movers, t1 - t0
         now = np.hstack([motion["v"][m], motion["w"][m]])
         share = 1.0 if momentum.implicit else 0.5  # of the prescribed velocities at the end: the mean of the stages
-        U0 = np.where(np.isin(m, self.driven)[:, None], now + share * (self.velocities - now), now)
+        U0 = np.where(np.isin(m, self.solved)[:, None], now, now + share * (self.velocities - now))
         W = np.zeros((len(m), 6, 6))
-        at = np.array([self.place[int(b)] for b in self.coupled], dtype=np.int64)
+        at = np.array([self.place[int(b)] for b in self.solved], dtype=np.int64)
         if len(at):
-            W[at] = inverse_masses(self.arrays[self.coupled], motion[self.coupled])
-            resting = np.isin(self.coupled, held)  # what holds them up is not known yet
+            W[at] = inverse_masses(self.arrays[self.solved], motion[self.solved])
+            resting = np.isin(self.solved, held)  # what holds them up is not known yet
             U0[at[~resting]] = self._foreseen(flow, motion, t0, t1, W)[at[~resting]]
         self.friction = immersed.friction(momentum, self.liquid.plan.mu, flow.F, places, U0, W, dt)
 
@@ -218,24 +225,28 @@ class WetBodies:
         self.expected = self.velocities[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.rubbed = shear[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.kicked += self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.rubbed)
-        self.contacts = None
-        if self.wet and len(state.held_parts):
-            others = np.zeros((len(motion), 6))
-            others[self.movers] = self.velocities
-            self.contacts = held_contacts(self.model, state, motion, others, self.wet, self.dt)
+        self.contacts = self.contacts_held(state, motion) if self.wet and len(state.held_parts) else None
         self.films = self._films(flow, motion) if self.film is not None and self.wet else None
         self.turns = 0
 
     def _films(self, flow: object, motion: np.ndarray) -> StepFilms | None:
         """Thin films beside the bodies, as strong as fits the way they would go with the pressure as it is now."""
-        others = np.zeros((len(motion), 6))
-        others[self.movers] = self.velocities
-        films = self.film.of_step(flow.F, motion, self.wet, others, self.dt, mean=self.loaded)
+        films = self.film.of_step(flow.F, motion, self.wet, self._of_all(motion), self.dt, mean=self.loaded)
         if films is not None:
             loads = self._loads_by_pressure(flow)[[self.place[b] for b in self.wet]]
             foreseen = self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, loads)
             films.squeeze.guess(block_diagonal(self.each_inverse), foreseen.reshape(-1))
         return films
+
+    def _of_all(self, motion: np.ndarray) -> np.ndarray:
+        """(n, 6) velocities of all bodies in the step, as far as they are known before the pressure."""
+        out = np.zeros((len(motion), 6))
+        out[self.movers] = self.velocities
+        return out
+
+    def contacts_held(self, state: State, motion: np.ndarray) -> Contacts:
+        """The contacts that the bodies keep."""
+        return held_contacts(self.model, state, motion, self._of_all(motion), self.wet, self.dt)
 
     @property
     def couple(self) -> WetBodies | None:
@@ -277,20 +288,31 @@ class WetBodies:
         if self.contacts is None:
             return False
         free = self.free + self.model.fluid.rho * (self.free_inverse @ self.coupling.loads(q))
-        slack = SLACK * np.linalg.norm(self.model.gravity) * self.dt
-        return self.contacts.look(U, free, self.inverse, slack)
+        return self.contacts.look(U, free, self.inverse, self.slack())
+
+    def slack(self) -> float:
+        """[length/time] that a contact may approach with."""
+        return SLACK * float(np.linalg.norm(self.model.gravity)) * self.dt
 
     def finish(self, q: np.ndarray, motion: np.ndarray, rows: np.ndarray) -> None:
         """After the pressure q = p dt / rho: velocities of the wet bodies in motion (n,) and rows (k, n) POSE, or the
         loads with which they move on."""
-        U = (self.start + self.coupling.velocities(q)).reshape(-1, 6) if self.wet else np.zeros((0, 6))
+        U, loads = np.zeros((0, 6)), np.zeros((0, 6))
+        self.squeezed[:] = 0.0
+        if self.wet:
+            U = (self.start + self.coupling.velocities(q)).reshape(-1, 6)
+            if self.films is not None:
+                self.squeezed = self.films.loads(U.reshape(-1))
+            pressed = (self.model.fluid.rho / self.dt) * self.coupling.loads(q).reshape(-1, 6)
+            loads = pressed + self.lifts + self.rubbed + self.squeezed[self.wet]
         self.reached = U  # what the liquid's velocities fit
-        self.squeezed = np.zeros((len(motion), 6))
-        if self.films is not None:
-            self.squeezed = self.films.loads(U.reshape(-1))
+        self.go_on(U, loads, motion, rows)
+
+    def go_on(self, U: np.ndarray, loads: np.ndarray, motion: np.ndarray, rows: np.ndarray) -> None:
+        """Velocities U (wet, 6) at the end of the step into motion and rows, or loads (wet, 6) to move on with."""
         if self.loaded:
             self.planned = 0.5 * (U + np.hstack([motion["v"][self.wet], motion["w"][self.wet]]))
-            self._load(q, motion)
+            self._load(loads, motion)
             return
         for b, own in zip(self.wet, U, strict=True):
             for to in (motion, *rows):
@@ -299,13 +321,11 @@ class WetBodies:
             self.flying["first_load"][b] = self.flying["last_load"][b] = 0
             self.flying["force"][b] = self.flying["torque"][b] = -1
 
-    def _load(self, q: np.ndarray, motion: np.ndarray) -> None:
-        """Give the constant laws of `flying` the loads of this step, on B."""
+    def _load(self, of_liquid: np.ndarray, motion: np.ndarray) -> None:
+        """Give the constant laws of `flying` the loads of this step on B: of control, and of the liquid (wet, 6)."""
         loads = np.zeros((len(motion), 6))
         control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, loads)
-        if self.wet:
-            pressed = (self.model.fluid.rho / self.dt) * self.coupling.loads(q).reshape(-1, 6)
-            loads[self.wet] += pressed + self.lifts + self.rubbed + self.squeezed[self.wet]
+        loads[self.wet] += of_liquid
         entries, first = self.flying_laws.entries, self.flying_laws.rows["first"]
         for b in self.coupled:
             for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):

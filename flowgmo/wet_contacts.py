@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.flow.immersed.contact_rows import Rows, rows_of_contacts
+from flowgmo.flow.immersed.contact_rows import Rows, constrain, rows_of_contacts
 from flowgmo.model import Model
 from flowgmo.state import State
 
 STICKS = 0.99  # of the friction cone: a contact within is taken to stick
+TURNS = 20  # in which the set of contacts that press is looked for; what turns up after is left to the contact engine
 
 
 class Contacts:
@@ -63,6 +64,16 @@ def held_contacts(
     velocity = np.concatenate([others, sides])
     rows = rows_of_contacts(a, b, point, normal, stuck, place, velocity, number, len(wet))
     return Contacts(rows, mu, pressed > 0.0)
+
+
+def pressing(contacts: Contacts, inverse_mass: np.ndarray, free: np.ndarray, slack: float) -> np.ndarray:
+    """(6 n,) velocities with the impulses of the contacts that press; free (6 n,) without; slack as in `look`."""
+    U = free
+    for _ in range(TURNS):
+        _, U, inverse = constrain(inverse_mass, free, *contacts.pressed())
+        if not contacts.look(U, free, inverse, slack):
+            break
+    return U
 
 
 def slip_of(

@@ -48,7 +48,7 @@ class Room:
         self.asked = asked
         self.motion = poses_of(state)
         self.books = state.books.copy()
-        self.owed = np.zeros((len(self.motion), 6))  # impulse and moment that impacts owe the liquid
+        self.owed = state.owed.copy()
         self.rows = np.repeat(self.motion[None], asked.size, axis=0)
         self.rows_books = np.repeat(state.books[None], asked.size, axis=0)
         self.contact_force = np.zeros((asked.size, len(self.motion), 3)) if world.collisions else None
@@ -62,6 +62,7 @@ class Room:
         for name, values in zip(POSE.names, _parts(state), strict=True):
             values[...] = self.motion[name]
         state.books[:] = self.books
+        state.owed[:] = self.owed
         if self.held is not None:
             state.held_parts, state.held_values, state.asleep, state.quiet, state.busy = self.held
             state.general = True

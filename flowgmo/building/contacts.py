@@ -45,7 +45,7 @@ def build_contacts(found: Findings, bodies: tuple[Body, ...], mesh: Mesh) -> Con
         hertz=float(deck["HERTZ"]),
         resting=str(deck["RESTING"]),
         sleep=bool(deck["SLEEP"]),
-        wet=deck["WETIMPACT"] == "wet",
+        wet=deck["WETIMPACT"] == "wet" and deck["IMPMOB"] == 1,  # impmob=0 has no common equation to ask
         closed_form=_only_balls(bodies, allowed, friction, touch) and _is_default(deck),
         balls=tuple(i for i in taking_part if bodies[i].shape.as_sphere() is not None),
         flats=tuple(i for i in taking_part if _is_flat(bodies[i])),

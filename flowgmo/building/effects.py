@@ -19,7 +19,7 @@ def list_effects(
     found = [*_gravity(deck, bodies, fluid)]
     if fluid is not None:
         found += _of_fluid(fluid)
-        found += _of_wet_bodies(bodies)
+        found += _of_wet_bodies(bodies, fluid)
     found += [*_of_motion(bodies), *_of_held_bodies(deck, bodies)]
     if contacts is not None:
         found += _of_contacts(deck, bodies, contacts)
@@ -93,12 +93,14 @@ def _of_fluid(fluid: FluidPlan) -> Found:
         yield "loads", text, "IFRCO", fluid.loads[0].body
 
 
-def _of_wet_bodies(bodies: tuple[Body, ...]) -> Found:
+def _of_wet_bodies(bodies: tuple[Body, ...], fluid: FluidPlan) -> Found:
     """How bodies that move take part in the pressure equation."""
     moving = [b for b in bodies if b.moves]
     coupled = [b for b in moving if b.kind == COUPLED]
     if coupled:
-        text = f"velocities of {_count(coupled, 'body', 'bodies')} solved with the pressure"
+        text = f"velocities of {_count(coupled, 'body', 'bodies')} " + (
+            "solved with the pressure" if fluid.coupled_together else "from the pressure of the step before"
+        )
         driven = len(moving) - len(coupled)
         text += f"; {driven} prescribed in its right-hand side only" if driven else ""
         yield "immersed bodies", text, "IMO", coupled[0].number

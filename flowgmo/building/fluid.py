@@ -50,6 +50,7 @@ def build_fluid(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> FluidP
         planes=build_planes(found, mesh),
         loads=build_loads(found, bodies),
         film=_film(found, bodies, mu),
+        coupled_together=deck["IMPMOB"] == 1,
     )
 
 

@@ -104,10 +104,25 @@ class Arena:
         for b in parties[(parties < self.n) & (self.movable[parties] == 1)]:
             change = np.concatenate([self.twists[name][b] - before[name][b] for name in "vw"])
             if change.any():
-                if self.bodies["hinge"][b] != 0:
-                    arm = self.motion["p"][b] - self.responses["centre"][b]
-                    change[:3] = np.cross(change[3:], arm)
-                self.owed[b] += self.wet(int(b))[1] @ change
+                self.owed[b] += self._given(int(b), *np.split(change, 2))
+
+    def given_to_liquid(self, contacts: np.ndarray) -> np.ndarray:
+        """(m, 3): what the liquid gets by the impulses of contacts (m,), one by one, after wet_responses: A dU."""
+        out = np.zeros((len(contacts), 3))
+        for side, sign in (("a", 1.0), ("b", -1.0)) if self.wet is not None else ():
+            for c, b in enumerate(contacts[side].tolist()):
+                if b >= self.n or self.movable[b] == 0:
+                    continue
+                J, response = sign * contacts["impulse"][c], self.responses[b]
+                turn = np.cross(contacts["point"][c] - response["centre"], J)
+                out[c] += self._given(b, _full(response["wt"]) @ J, _full(response["wr"]) @ turn)[:3]
+        return out
+
+    def _given(self, b: int, dv: np.ndarray, dw: np.ndarray) -> np.ndarray:
+        """(6,): A dU of body b whose centre and spin change by dv, dw (3,)."""
+        if self.bodies["hinge"][b] != 0:
+            dv = np.cross(dw, self.motion["p"][b] - self.responses["centre"][b])
+        return self.wet(b)[1] @ np.concatenate([dv, dw])
 
     def bring(self, which: np.ndarray, t: float, books: np.ndarray) -> list[tuple[int, np.ndarray]]:
         """Bring parties to time t. Returns the stops they met: body and row of forced.note_hit."""
@@ -139,6 +154,12 @@ class Arena:
 def _six(tensor: np.ndarray) -> np.ndarray:
     """xx yy zz xy xz yz of a symmetric tensor (3, 3)."""
     return np.array([tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[0, 1], tensor[0, 2], tensor[1, 2]])
+
+
+def _full(six: np.ndarray) -> np.ndarray:
+    """(3, 3) of xx yy zz xy xz yz."""
+    xx, yy, zz, xy, xz, yz = six
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -166,6 +166,7 @@ class Striker:
         closed = (group["e"][took] == 0.0) & (self._given(group[took]) > 0.0)
         rows["regime"][closed] = REST
         rows["e"] = self._given(group[took])
+        rows["fluid_impulse"] = self.arena.given_to_liquid(group[took])
         mark_limits(group[took], rows, self.arena)
         return rows
 

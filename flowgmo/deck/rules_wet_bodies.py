@@ -14,17 +14,19 @@ def solved_together(deck: Deck) -> Finding:
     coupled = any(deck.at("IMO", m) == 4 for m in components(deck))
     if not coupled or not deck["IMOBS"]:
         return
-    for name, value, what in (
-        ("IMPMOB", 0, "bodies and liquid one after the other; they are solved together, stable at any density"),
-        ("IGMRES", 0, "relaxation of the pressure with bodies that the liquid moves"),
-    ):
-        if deck[name] == value and deck.given(name):
-            wrong, write = f"known but not computed: {what}", f"Write {name.lower()}=1"
-            if deck["IGNORE_UNSUPPORTED"]:
-                deck.drop(name)
-                yield deck.notice(name, wrong=wrong, write=write)
-            else:
-                yield deck.problem(name, wrong=wrong, write=f"{write}, or &flowgmo ignore_unsupported=.true.")
+    if deck["IMPMOB"] == 0:
+        late = "the liquid's load on a body is that of the step before, which grows without end on one that is lighter"
+        yield deck.notice("IMPMOB", wrong=f"{late} than its added mass", write="Write impmob=1 but for comparison")
+        if deck["WETIMPACT"] == "wet" and deck.given("WETIMPACT"):
+            yield deck.notice("WETIMPACT", wrong="impacts do not feel the liquid with impmob=0", write="Write impmob=1")
+        return
+    if deck["IGMRES"] == 0 and deck.given("IGMRES"):
+        wrong = "known but not computed: relaxation of the pressure with bodies that the liquid moves"
+        if deck["IGNORE_UNSUPPORTED"]:
+            deck.drop("IGMRES")
+            yield deck.notice("IGMRES", wrong=wrong, write="Write igmres=1")
+        else:
+            yield deck.problem("IGMRES", wrong=wrong, write="Write igmres=1, or &flowgmo ignore_unsupported=.true.")
 
 
 def recorded(deck: Deck) -> Finding:

@@ -111,6 +111,7 @@ COLLISIONS = {
     "point": ((3,), "length", "contact point"),
     "normal": ((3,), "none", "unit normal from b to a"),
     "impulse": ((3,), "impulse", "impulse on a"),
+    "fluid_impulse": ((3,), "impulse", "impulse that the liquid around a and b gets at once, by its inertia"),
     "e": ((), "none", "coefficient of restitution"),
     "mu": ((), "none", "coefficient of friction"),
     "regime": ((), "none", "how the impact went; names in the attribute `names`"),

@@ -97,6 +97,10 @@ class RunLog:
             self.print(f"continued at t = {self._resumed:.6g}")
         self.print("")
 
+    def notice(self, text: str) -> None:
+        """Print what the user should know before the run goes on."""
+        self.print(tables.notice(text))
+
     def progress(self, t: float, step: int, dt: float, impacts: int | None, solution: int | None = None) -> None:
         """Say how far the run is. For every step: with nothing to say it costs less than a microsecond.
 

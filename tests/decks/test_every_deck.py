@@ -27,6 +27,8 @@ LONG = {
     "floating_prism",
     "wavemaker",
     "bounce_in_oil",
+    "hulme",
+    "valve",
 }  # whole runs of these take minutes: `make test-all`
 MEANT = {"gate", "heave", "settling", "bounce_in_oil"}
 each = pytest.mark.parametrize("path", ALL, ids=lambda path: f"{path.parent.name}/{path.stem}")

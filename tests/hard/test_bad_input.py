@@ -148,8 +148,8 @@ WRONG = {
         ["bad.nml:8: &obs obsid(1)", "no solid subcomponent", "Write iob(n)=1"],
     ),
     "liquid": (
-        deck(xput="impmob=0,", more="&props rhof=1000. /\n"),
-        ["bad.nml:4: &xput impmob=0", "solved together, stable at any density", "Write impmob=1"],
+        deck(xput="igmres=0,", more="&props rhof=1000. /\n"),
+        ["bad.nml:4: &xput igmres=0", "relaxation of the pressure with bodies", "Write igmres=1"],
     ),
     "liquid without density": (deck(more="&fl flht=.5 /\n"), ["bad.nml:14: &fl flht=0.5", "rhof"]),
     "not computed": (deck(xput="ifvis=4"), ["bad.nml:4: &xput ifvis=4", "not computed", "Write ifvis=0"]),

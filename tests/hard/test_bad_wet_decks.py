@@ -52,10 +52,6 @@ WRONG = {
         wet(xput=FREE + "imobs=1,", props="", fl="", bcdata="ibct(3)=4,4,", obs=BODY + "imo(1)=4, rhomvb(1)=1.,"),
         ["bad.nml:15: &bcdata ibct(3)=4", "moving bodies with periodic sides"],
     ),
-    "bodies one after the other": (
-        wet(xput=FREE + "imobs=1, impmob=0,", obs=BALL + "imo(1)=4, rhomvb(1)=1.,"),
-        ["bad.nml:3: &xput impmob=0", "bodies and liquid one after the other", "Write impmob=1"],
-    ),
     "bodies and relaxation": (
         wet(xput=FREE + "imobs=1, igmres=0,", obs=BALL + "imo(1)=4, rhomvb(1)=1.,"),
         ["bad.nml:3: &xput igmres=0", "relaxation of the pressure with bodies", "Write igmres=1"],

@@ -60,10 +60,11 @@ def resting_fluxes(
     centres: list[np.ndarray],
     place: np.ndarray,
     surface: tuple[np.ndarray, np.ndarray] | None = None,
+    middle: np.ndarray | None = None,
 ) -> BodyFluxes:
-    """The fluxes of a body that stays where it is, B at place (3,). surface: F and gravity, see body_fluxes."""
+    """The fluxes of a body that stays where it is, B at place (3,); surface, middle: as in body_fluxes."""
     cells = np.column_stack(np.unravel_index(cover.numbers, [len(c) for c in centres])).astype(np.int32)
-    return body_fluxes(Shares(cells, cover.shares[:, :6]), cover.shares[:, 6], grid, centres, place, None, surface)
+    return body_fluxes(Shares(cells, cover.shares[:, :6]), cover.shares[:, 6], grid, centres, place, middle, surface)
 
 
 def wetted_area(cover: BodyCover, flow: Flow, V: np.ndarray, grid: Grid) -> float:

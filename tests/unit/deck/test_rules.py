@@ -26,7 +26,6 @@ PROBLEMS = [
     ({"bcdata": "ibct(3)=7"}, "ibct(3)=7", "Write ibct(3)=1"),
     ({"bcdata": "ibct(1)=9,10,11"}, "ibct(1)=9", "(and 2 more)"),
     # dry or wet
-    ({"props": "rhof=1000.", "add_xput": "impmob=0"}, "impmob=0", "one after the other"),
     ({"props": "rhof=1000.", "add_xput": "igmres=0"}, "igmres=0", "relaxation of the pressure with bodies"),
     ({"fl": "flht=.5"}, "flht=0.5", "rhof"),
     ({"fl": "vlin=.5"}, "vlin=0.5", "rhof"),
@@ -169,10 +168,11 @@ def test_ignore_unsupported(read) -> None:
     assert deck.given("RHOF")
 
 
-def test_ignoring_the_explicit_coupling(read) -> None:
+def test_the_explicit_coupling_gets_a_notice(read) -> None:
     """Where only prescribed bodies move there is nothing to couple, and decks of the vendor may say impmob=0."""
-    deck = read(props="rhof=1000.", add_xput="impmob=0,", flowgmo="ignore_unsupported=.true.")
-    assert deck["IMPMOB"] == 1 and [n.variable for n in deck.notices] == ["impmob"]
+    deck = read(props="rhof=1000.", add_xput="impmob=0,", flowgmo="wetimpact='wet',")
+    assert deck["IMPMOB"] == 0 and [n.variable for n in deck.notices] == ["impmob=0", "wetimpact='wet'"]
+    assert "lighter than its added mass" in str(deck.notices[0])
     assert not read(props="rhof=1000.", add_xput="impmob=0,", obs="nobs=1, imo(1)=3, iob(1)=1, xl(1)=0.").notices
 
 

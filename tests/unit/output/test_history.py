@@ -46,7 +46,7 @@ def test_layout_is_the_contract(scenes, tmp_path):
     wanted |= {f"energy/{name}": (3,) for name in ("kinetic", "potential", "impacts", "dissipated")}
     wanted |= {f"collisions/{name}": (2,) for name in ("time", "a", "b", "e", "mu", "regime", "energy_loss")}
     wanted |= {"collisions/cluster": (2,), "collisions/count": (2,)}
-    wanted |= {f"collisions/{name}": (2, 3) for name in ("point", "normal", "impulse")}
+    wanted |= {f"collisions/{name}": (2, 3) for name in ("point", "normal", "impulse", "fluid_impulse")}
     assert layout(tmp_path / "history.h5") == wanted
 
 
