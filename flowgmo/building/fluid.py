@@ -69,14 +69,16 @@ def _viscosity(found: Findings) -> float | None:
 
 
 def _film(found: Findings, bodies: tuple[Body, ...], mu: float | None) -> FilmPlan | None:
-    """Where the liquid sticks to walls and moves bodies."""
+    """Where the liquid sticks to walls and moves bodies, together with the pressure."""
     deck = found.deck
     moved = any(body.kind == COUPLED for body in bodies)
-    if mu is None or deck["IWSH"] != 1 or not moved or not deck["LUBRICATION"]:
+    apart = deck["IMPMOB"] != 1
+    if mu is None or deck["IWSH"] != 1 or not moved or apart or not deck["LUBRICATION"]:
         for name in ("LUBRICATION", "FILMROUGH"):
             if deck.given(name) and deck["LUBRICATION"]:
                 why = "no body is moved by the liquid" if not moved else "the liquid is not viscous"
                 why = "the liquid slides along walls (iwsh=0)" if moved and mu is not None else why
+                why = "bodies move after the liquid (impmob=0)" if moved and apart else why
                 found.notice(name, wrong=f"no effect: {why}")
             elif name == "FILMROUGH" and deck.given(name):
                 found.notice(name, wrong="no effect: lubrication=.false. switches the film off")
