@@ -37,16 +37,14 @@ def test_wavemaker(runs, deck):
     assert found["volume error"] <= 1e-10
 
 
-@pytest.mark.xfail(
-    reason="con .1: .013 in one step for 1e-3, 4e-4 on an earlier state; cause not found yet", strict=False
-)
 @pytest.mark.parametrize(("con", "bound"), [(0.45, 0.03), (0.1, 1e-3)])
 def test_cells_stay_full_behind_a_sphere(runs, con, bound):
-    # Measured: 8e-6 and 4e-4 (see the page), and 4e-7 ten steps after the sphere stands. VALIDATION E: .03, 1e-3.
+    # Measured: 1.9e-3 and 4.3e-4 (see the page), and 1.3e-5, 4e-7 ten steps after the sphere stands. VALIDATION E: .03,
+    # 1e-3, gone a few steps later: a thousandth of that. By planes in cut cells alone .013 crossed a face in one step.
     found = script(runs, "swept", "every_step").look("full", con)
     assert found.off.max() <= bound
     stands = int(np.argmax(found.after > 0.401))
-    assert found.off[stands + 10 :].max() <= 1e-5
+    assert found.off[stands + 10 :].max() <= 1e-3 * bound
     assert np.ptp(found.volume) <= 1e-10 * found.volume[0]
 
 

@@ -38,7 +38,7 @@ from flowgmo.flow.immersed.waterline import waterline
 class BodyFluxes(NamedTuple):
     """Of one body: cells (m,) flat index into arrays of mesh size; J (m, 6) [length2, length3]; lift (m, 6) [length3,
     length]: force of water at rest in a gravity of one along each axis, per density (see above), and its arm; edge
-    (m, 6) [length4/time2]: of waterline.py, None without a surface."""
+    (m, 2, 3) [length4/time2]: of waterline.py, None without a surface."""
 
     cells: np.ndarray
     J: np.ndarray
@@ -92,6 +92,6 @@ def weight_of_displaced(fluxes: BodyFluxes, liquid: np.ndarray, rho: float, grav
     """(6,) force and moment about B: `lift` of the cells with liquid (m,) bool, see above, and `edge`."""
     each = rho * gravity * fluxes.lift[:, :3] * liquid[:, None]
     if fluxes.edge is not None:
-        each += rho * np.where(liquid[:, None], fluxes.edge[:, :3], fluxes.edge[:, 3:])
+        each += rho * np.where(liquid[:, None], fluxes.edge[:, 0], fluxes.edge[:, 1])
     r = fluxes.lift[:, 3:]
     return np.concatenate([each.sum(axis=0), np.cross(r, each).sum(axis=0)])
