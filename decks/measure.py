@@ -30,6 +30,7 @@ from measure_bodies import (  # noqa: E402
 )
 from measure_coupled import hulme, log, valve  # noqa: E402
 from measure_hard import hard  # noqa: E402
+from measure_scenes import logs, stones  # noqa: E402
 from measure_settling import bounce_in_oil, settling  # noqa: E402
 from measure_viscous import cavity, cylinder, poiseuille  # noqa: E402
 from measure_wet import dam_break, martin_moyce, ritter, sloshing, still_water, wall_impact  # noqa: E402
@@ -202,7 +203,7 @@ def rocking(curves: Curves) -> dict[str, float]:
 _ALL = (central, anvil, top, pendulum, piston, billiards, chain, plane, rack, pool, domino, stack, incline, hard)
 _FREE = (dam_break, still_water, sloshing, martin_moyce, wall_impact, ritter)
 _WITH_BODIES = (released_sphere, heave, floating_prism, gate, wavemaker, swept, stream, water_entry)
-_COUPLED = (log, valve, hulme)
+_COUPLED = (log, valve, hulme, stones, logs)
 _OTHERS = (cavity, poiseuille, cylinder, settling, bounce_in_oil)
 WET = {case.__name__: case for case in (*_FREE, *_OTHERS, *_WITH_BODIES, *_COUPLED)}
 CASES = {case.__name__: case for case in _ALL}

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from flowgmo.film import Film, StepFilms
 
 TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
+EDGE = 0.1  # of a cell: of bodies from a hundredth of the liquid's density on nothing is taken away
 SLACK = 1e-3  # of the speed that gravity gives in a step: an approach that a contact row may leave
 MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
 
@@ -129,9 +130,24 @@ class WetBodies:
         self.liquid.immersed.begin(
             flow, self.poses(then), self.poses(middle), places, self.velocities, self.middles(then)
         )
+        self._bound_edges(dt)
         self.liquid.find_columns(flow.F)
         self._meet_walls(flow, motion, t0, t1, places, held)
         self.liquid.immersed.fill_short(self.liquid.near, flow.F)
+
+    def _bound_edges(self, dt: float) -> None:
+        """What the waterline adds to the load of a body (waterline.py) has no liquid in the pressure equation whose
+        inertia would go with it: of a feather it is no more than moves it by EDGE of a cell in a step."""
+        fluxes = self.liquid.immersed.fluxes
+        for b in self.coupled:
+            k, mass = self.place[int(b)], float(self.arrays["mass"][b])
+            edge = fluxes[k].edge
+            if edge is None:
+                continue
+            size = self.model.fluid.rho * float(np.abs(edge).sum())
+            most = EDGE * self.cell * mass / dt**2
+            if size > most:
+                fluxes[k] = fluxes[k]._replace(edge=edge * (most / size))
 
     def middles(self, motion: np.ndarray) -> list[np.ndarray | None]:
         """From B to the centre of each moving ball; None for other bodies."""

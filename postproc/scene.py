@@ -90,6 +90,11 @@ class Scene:
         """Whether there is a history with rows."""
         return self.results.path.is_file() and len(self.results.t) > 0
 
+    @property
+    def _last_row(self) -> float:
+        """Time of the last row of the history; the snapshots' times are rounded."""
+        return float(self.results.t[-1]) * (1.0 + 1e-6)
+
     @cached_property
     def bounds(self) -> np.ndarray:
         """(2, 3): the domain; without a history, what the solids and the moving bodies reach."""
@@ -103,10 +108,13 @@ class Scene:
         return [s.points for s in self.at(t)] + ([liquid[0]] if liquid else [])
 
     def at(self, t: float) -> list[Surface]:
-        """Surfaces at a time: exact poses where there is a history, else those of the nearest snapshot."""
+        """Surfaces at a time: exact poses where there is a history, else those of the nearest snapshot.
+
+        A run that was killed has snapshots after the last row of its history.
+        """
         if not self._start:
             return []
-        if not self.has_history:
+        if not self.has_history or (self.files and min(t, float(self.times[-1])) > self._last_row):
             return _read_surfaces(self.files[int(np.abs(self.times - t).argmin())], self.names)
         return [self._moved(surface, t) for surface in self._start]
 

@@ -25,7 +25,8 @@ from flowgmo.flow.team import Team
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate, surface_limit
 from flowgmo.flow_plan import FluidPlan, speed_in_sight
 
-DUST = 1e-9  # of a cell: less rests where it is and takes no part, so that it does not widen what is computed
+DUST = 1e-6  # of a cell: less takes no part; it is what the pressure's tolerance leaves in a step (stages.TOLERANCE).
+# Nothing holds the faces beside it: they would fall by g t as long as it is there, and bound the step
 
 HIGH = 100.0  # Reynolds number of a cell: its viscous forces are a hundredth of what turns the flow
 

@@ -29,8 +29,10 @@ LONG = {
     "bounce_in_oil",
     "hulme",
     "valve",
+    "stones",
+    "logs",
 }  # whole runs of these take minutes: `make test-all`
-MEANT = {"gate", "heave", "settling", "bounce_in_oil"}
+MEANT = {"gate", "heave", "settling", "bounce_in_oil", "stones", "logs"}
 each = pytest.mark.parametrize("path", ALL, ids=lambda path: f"{path.parent.name}/{path.stem}")
 whole = pytest.mark.parametrize(
     "path",

@@ -18,6 +18,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 SMALLEST = 1e-6  # of the largest singular value of N sqrt(W): rows that say the same
 
@@ -76,10 +77,36 @@ def constrain(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """W' (6 n, 6 n), U*' (6 n,) and (N W N^T)^+ (m, m): lambda = - that (N U - speed), U without the contacts.
 
-    inverse_mass W (6 n, 6 n), start U* (6 n,), rows (m, 6 n) with right-hand sides speed (m,).
+    inverse_mass W (6 n, 6 n), start U* (6 n,), rows (m, 6 n) with right-hand sides speed (m,). Bodies that no row and
+    nothing in W joins are solved apart: the cost goes with the cube of the largest group, not of all of them.
     """
     if not len(rows):
         return inverse_mass, start, np.zeros((0, 0))
+    W, U, inverse = inverse_mass.copy(), start.copy(), np.zeros((len(rows), len(rows)))
+    for of_rows, of_bodies in _groups(inverse_mass, rows):
+        own, among = np.ix_(of_bodies, of_bodies), np.ix_(of_rows, of_rows)
+        part = rows[np.ix_(of_rows, of_bodies)]
+        W[own], U[of_bodies], inverse[among] = _constrain_group(
+            inverse_mass[own], start[of_bodies], part, speed[of_rows]
+        )
+    return W, U, inverse
+
+
+def _groups(inverse_mass: np.ndarray, rows: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """(rows, components of U) of each group of bodies that rows or W join; only groups with rows."""
+    n = len(inverse_mass) // 6
+    touched = rows.reshape(-1, n, 6).any(axis=2)
+    joined = touched.T.astype(np.int64) @ touched + inverse_mass.reshape(n, 6, n, 6).any(axis=(1, 3))
+    _, group = connected_components(joined, directed=False)
+    of_rows = group[touched.argmax(axis=1)]
+    number = np.repeat(group, 6)
+    return [(np.flatnonzero(of_rows == g), np.flatnonzero(number == g)) for g in np.unique(of_rows)]
+
+
+def _constrain_group(
+    inverse_mass: np.ndarray, start: np.ndarray, rows: np.ndarray, speed: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As `constrain`, of one group."""
     values, vectors = np.linalg.eigh(inverse_mass)
     L = vectors * np.sqrt(np.maximum(values, 0.0))  # W = L L^T, so that W' cannot be negative by rounding
     left, size, right = np.linalg.svd(rows @ L, full_matrices=False)

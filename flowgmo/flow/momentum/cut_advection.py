@@ -26,7 +26,7 @@ from flowgmo.kernel import flow_kernel, inner
 NO = U64(0)
 
 
-DRY = 1e-9  # F up to which a cell counts as dry: what rests there takes no part (liquid.DUST)
+DRY = 1e-6  # F up to which a cell counts as dry: what rests there takes no part (liquid.DUST)
 
 
 @inner

@@ -33,7 +33,7 @@ from flowgmo.mesh import Block
 
 SAME = 1e-9  # of a cell: a point so near to a plane of the mesh lies on it; rounding of the deck's numbers
 ROUNDING = 16 * np.finfo(float).eps  # of a coordinate: of the sum of eight products
-DUST = 1e-9  # of a cell: with less it is dry, as in liquid.py
+DUST = 1e-6  # of a cell: with less it is dry, as in liquid.py
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,8 @@ from flowgmo.flow.surface.surface_at_solids import plane_at_solids, share_in_cut
 from flowgmo.flow.surface.surface_normals import near_solids, surface_vector
 from flowgmo.kernel import flow_kernel, inner
 
+DROP = 1e-2  # [-] F of a cell below which it may be a drop in the air, see is_drop: of a surface cell's F, one in 100
+
 
 @flow_kernel
 def plic_flux(columns, first, last, own, dt, F, V, opened, steps, flux):
@@ -39,13 +41,14 @@ def plic_flux(columns, first, last, own, dt, F, V, opened, steps, flux):
                     continue
                 thick = min(abs(q[a, b, k]) * dt * along[g] * across_column(d, across, e, f), 1.0)
                 low, high = (1.0 - thick, 1.0) if q[a, b, k] > 0.0 else (0.0, thick)
-                solid = False
+                solid, drop, share = False, is_drop(F, e, f, g), F[e, f, g]
                 if V is not None:
                     if near_solids(V, e, f, g):
                         solid = True
-                        share = _share_at_solids(F, V, opened, steps, e, f, g, d, low, high)
+                        if not drop:
+                            share = _share_at_solids(F, V, opened, steps, e, f, g, d, low, high)
                         share = _at_hand(share, F[e, f, g], V[e, f, g], A[a, b, k] * thick)
-                if not solid:
+                if not solid and not drop:
                     m = surface_vector(F, x, y, z, e, f, g)
                     alpha = plane_offset(m, F[e, f, g])
                     share = share_of_slab(m, alpha, d, low, high) if is_plane(m) else F[e, f, g]
@@ -60,6 +63,20 @@ def _at_hand(share, F, V, passed):
     """
     share = max(share, 1.0 - (1.0 - F) * V / passed)
     return max(min(share, F * V / passed), 0.0)
+
+
+@inner
+def is_drop(F, i, j, k):
+    """Whether a cell holds little, and no neighbour more: these do not say where in the cell it lies.
+
+    A plane on the far side would never let it across the face below it: it hung in the air while the speed of that
+    face grew by g t, and bounded the step. It leaves as if spread evenly.
+    """
+    here = F[i, j, k]
+    if here > DROP:
+        return False
+    around = max(max(F[i - 1, j, k], F[i + 1, j, k]), max(F[i, j - 1, k], F[i, j + 1, k]))
+    return here >= max(around, max(F[i, j, k - 1], F[i, j, k + 1]))
 
 
 @inner

@@ -162,9 +162,10 @@ def _settle(
     opened: Open,
 ) -> tuple[float, float, float]:
     """(over, under, lost) once the excess of cut cells has gone to their neighbours; V F has become F."""
-    V = opened.V
-    books = np.empty((len(wet), 3))
+    V, reached = opened.V, wet
     if V is not None:
-        team.run(find_excess, around, F, V, opened, tracking.grid, tracking.flux)
-    team.run(settle, wet, F, V, opened, tracking.grid, tracking.flux, books)
+        reached = around  # what came as far as the border of wet, and finds no room there, goes one cell beyond it
+        team.run(find_excess, widen(around, 1, F.shape, tracking.bounds), F, V, opened, tracking.grid, tracking.flux)
+    books = np.empty((len(reached), 3))
+    team.run(settle, reached, F, V, opened, tracking.grid, tracking.flux, books)
     return float(books[:, 0].max()), float(books[:, 1].min()), float(books[:, 2].sum())

@@ -1,5 +1,6 @@
 """What is read: bounces, poses between snapshots, names."""
 
+import h5py
 import numpy as np
 import pytest
 
@@ -55,3 +56,33 @@ def test_without_a_history_the_nearest_snapshot_is_shown(scenes, tmp_path):
 def test_the_history_itself_may_be_named(anvil):
     assert Results(anvil / "history.h5").bodies == {"ball": 1}
     assert Results(anvil).parties[-5] == "Zmin" and Results(anvil).parties[2] == "anvil"
+
+
+def test_after_the_last_row_of_a_killed_run_the_nearest_snapshot_is_shown(scenes, tmp_path):
+    scenes.write_anvil(tmp_path)
+    with h5py.File(tmp_path / "history.h5", "r+") as file:
+        rows = int(np.searchsorted(file["time"][:], 1.05))
+        shorten(file, rows)
+    scene = Scene(Results(tmp_path))
+    for t, shown in ((1.0, 1.0), (1.43, 1.4), (2.0, 2.0)):
+        z, _ = scenes.flight(np.array([shown]))
+        assert np.allclose(scene.at(t)[0].points[:, 2].min(), z[0], atol=1e-3)
+
+
+def shorten(group, rows):
+    """Only the first rows of the history are left."""
+    length = len(group.file["time"])
+    for name, item in list(group.items()):
+        if isinstance(item, h5py.Group):
+            if name != "collisions":
+                shorten(item, rows)
+        elif name != "time" and item.shape and len(item) == length:
+            values, attributes = item[:rows], dict(item.attrs)
+            del group[name]
+            group[name] = values
+            group[name].attrs.update(attributes)
+    if group.name == "/":
+        values, attributes = group["time"][:rows], dict(group["time"].attrs)
+        del group["time"]
+        group["time"] = values
+        group["time"].attrs.update(attributes)
