@@ -28,19 +28,18 @@ def speed_with_history(rho, mu, t, n=1500):
     return v
 
 
-@pytest.mark.xfail(
-    reason="4 % faster than Basset-Boussinesq-Oseen at 8 cells across since bodies push by shares", strict=False
-)
 def test_a_sphere_let_go_gathers_speed(runs):
-    # Measured: -.8 % at t = .25 s, 8 cells across. Without the liquid's friction on the sphere 40 % too fast.
+    # Measured at t = .25 s, 8 cells across: +2.7 % beside the experiment (digitised to 3 %), +4.2 % beside Basset,
+    # Boussinesq and Oseen, who know of no walls. Without the liquid's friction on the sphere 40 % too fast.
     results = runs.varied("settling", "e1", "short", twfin=0.25)
     found = settling(results, "e1")
-    assert found["peak speed"] == pytest.approx(speed_with_history(970.0, 0.373, 0.25), rel=0.03)
+    assert found["peak speed"] == pytest.approx(0.0280, rel=0.04)  # ten Cate 2002
+    assert found["peak speed"] == pytest.approx(speed_with_history(970.0, 0.373, 0.25), rel=0.06)
 
 
 @pytest.mark.slow
 def test_settling_at_re_1(runs):
-    # Measured: peak -.2 %, arrival +2.6 %, 8 cells across. VALIDATION E: 4 % at 16 across.
+    # Measured: peak +1.7 %, arrival .0 %, 8 cells across. VALIDATION E: 4 % at 16 across.
     found = settling(runs.results("settling", "e1"), "e1")
     assert found["peak speed"] == pytest.approx(0.03599, rel=0.02)
     assert found["arrival"] == pytest.approx(3.33, rel=0.04)
