@@ -68,6 +68,7 @@ class WetBodies:
         self.driven = np.array([b for b in self.movers if b not in self.coupled], dtype=np.int64)
         self.place = {int(b): k for k, b in enumerate(self.movers)}  # among the moving ones
         self.reach = np.array([_reach(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers])
+        self.axes = [_axis(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
         self.balls = [_ball_centre(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
         self.cell = min(float(np.diff(x).min()) for x, n in zip(
             model.mesh.blocks[0].planes, model.mesh.blocks[0].shape, strict=True
@@ -150,9 +151,10 @@ class WetBodies:
                 fluxes[k] = fluxes[k]._replace(edge=edge * (most / size))
 
     def middles(self, motion: np.ndarray) -> list[np.ndarray | None]:
-        """From B to the centre of each moving ball; None for other bodies."""
+        """Of each moving ball from B to its centre, of each body of revolution its axis (body_fluxes.py); else None."""
         R = rotation_matrices(motion["q"][self.movers])
-        return [None if c is None else turn @ c for c, turn in zip(self.balls, R, strict=True)]
+        whole = [ball if ball is not None else axis for ball, axis in zip(self.balls, self.axes, strict=True)]
+        return [None if one is None else one @ turn.T for one, turn in zip(whole, R, strict=True)]
 
     def poses_then(self, motion: np.ndarray, t0: float, t1: float) -> np.ndarray:
         """motion (n,) POSE at t1: prescribed bodies as they will be, others as they move now."""
@@ -371,6 +373,12 @@ def pack_with_loads(model: Model) -> tuple[np.ndarray, Laws | None]:
     load = ControlLoads((some,) * 3, (some,) * 3, in_body_axes=False)
     bodies = tuple(replace(body, loads=load) if body.coupled else body for body in model.bodies)
     return pack(bodies, model.gravity)
+
+
+def _axis(shape: object, origin: np.ndarray) -> np.ndarray | None:
+    """(2, 3) from `origin` to a point of the axis of a body of revolution, and its direction; None of others."""
+    axis = getattr(shape, "as_revolved", lambda: None)()
+    return None if axis is None else np.stack([axis[0] - origin, axis[1]])
 
 
 def _ball_centre(shape: object, origin: np.ndarray) -> np.ndarray | None:

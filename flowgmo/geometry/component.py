@@ -26,6 +26,7 @@ from flowgmo.geometry.moments import MassProperties
 from flowgmo.geometry.piece import ROLES, Piece
 from flowgmo.geometry.primitives import Ball, Box, Mesh
 from flowgmo.geometry.recognise import recognise
+from flowgmo.geometry.revolved import WHOLE, Revolved
 from flowgmo.geometry.sheets import Sheets, sheets_of
 from flowgmo.geometry.solid import Solid
 from flowgmo.geometry.transform import Affine, Transform
@@ -135,6 +136,13 @@ class Component:
         if solid is None or not isinstance(solid.shape, Ball):
             return None
         return solid.b.copy(), float(solid.scale * solid.shape.radius)
+
+    def as_revolved(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """A point (3,) of the axis and its direction (3,) when the body is exactly one whole solid of revolution."""
+        solid = self.merged
+        if solid is None or not isinstance(solid.shape, Revolved) or solid.shape.angle != WHOLE:
+            return None
+        return solid.b.copy(), solid.R[:, 2].copy()
 
     def as_boxes(self) -> list[OrientedBox] | None:
         """Boxes whose union the body exactly is: its own when all are solid, else disjoint ones that fill it."""

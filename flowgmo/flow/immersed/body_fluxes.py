@@ -11,8 +11,14 @@ about B: J transposed. That both are one matrix keeps the pressure equation symm
 body and liquid (Batty, Bertails and Bridson 2007, "A fast variational framework for accurate solid-fluid coupling").
 Arms end at the centres of cells, not of faces: a body wholly inside feels no moment of a constant pressure, since
 sum of r x a = sum over faces of S area h (n x n) = 0. Of a ball all normals meet in the centre: there all arms end,
-and its spin moves nothing at all. (A spin that seems to move a little, of a ball of hardly any inertia, is used by the
-pressure to fill what is short in some cell, which it never does: w grew without bound.)
+and its spin moves nothing at all. Of any body of revolution they meet its axis, and turns about that move nothing: what
+arms to the centres of cells make of them is taken out (c a point of the axis, k its direction)
+
+    r x a - k (k . ((centre of the cell - c) x a))
+
+Without it floating logs begin to turn about themselves, .09 rad/s after a second. (A spin that seems to move a little,
+of a ball of hardly any inertia, is used by the pressure to fill what is short in some cell, which it never does: w grew
+without bound.)
 
 The pressure of the centre is not that of the wall. In liquid at rest the rest is known (observe/loads.py):
 
@@ -38,12 +44,14 @@ from flowgmo.flow.immersed.waterline import waterline
 class BodyFluxes(NamedTuple):
     """Of one body: cells (m,) flat index into arrays of mesh size; J (m, 6) [length2, length3]; lift (m, 6) [length3,
     length]: force of water at rest in a gravity of one along each axis, per density (see above), and its arm; edge
-    (m, 2, 3) [length4/time2]: of waterline.py, None without a surface."""
+    (m, 2, 3) [length4/time2]: of waterline.py, None without a surface; axis (2, 3): of a body of revolution, from B to
+    a point of it [length], and its direction; None of others."""
 
     cells: np.ndarray
     J: np.ndarray
     lift: np.ndarray
     edge: np.ndarray | None = None
+    axis: np.ndarray | None = None
 
 
 def body_fluxes(
@@ -57,7 +65,8 @@ def body_fluxes(
 ) -> BodyFluxes:
     """The fluxes of a body: mean shares of its cells (m, 3), covered (m,) of their volumes now; place (3,) [length]: B.
 
-    centres: of cells, (n + 4,) for each direction; middle (3,): of a ball, from B to its centre; None of other bodies;
+    centres: of cells, (n + 4,) for each direction; middle (3,): of a ball, from B to its centre; (2, 3) of a body of
+    revolution, from B to a point of its axis, and its direction; None of other bodies;
     surface: F (mesh) and gravity (3,), None where nothing is void.
     """
     at = shares.cells
@@ -67,11 +76,21 @@ def body_fluxes(
     a = (upper - lower) * np.column_stack([dy * dz, dz * dx, dx * dy])
     lift = (0.5 * (lower + upper) - covered[:, None]) * (dx * dy * dz)[:, None]
     r = np.column_stack([c[at[:, e]] for e, c in enumerate(centres)]) - place
-    if middle is not None:
+    axis = middle if middle is not None and middle.ndim == 2 else None
+    if middle is not None and axis is None:
         r[:] = middle
     cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
     edge = None if surface is None else waterline(cells, at, shares.faces, covered, *surface, grid)
-    return BodyFluxes(cells, np.hstack([a, np.cross(r, a)]), np.hstack([lift, r]), edge)
+    return BodyFluxes(cells, np.hstack([a, off_axis(a, np.cross(r, a), axis)]), np.hstack([lift, r]), edge, axis)
+
+
+def off_axis(force: np.ndarray, moment: np.ndarray, axis: np.ndarray | None) -> np.ndarray:
+    """moment (..., 3) about B of force (..., 3) without what turns a body of revolution about its axis (2, 3)."""
+    if axis is None:
+        return moment
+    point, direction = axis
+    own = (moment - np.cross(point, force)) @ direction
+    return moment - own[..., None] * direction
 
 
 def closed_sum(a: np.ndarray) -> np.ndarray:
@@ -94,4 +113,5 @@ def weight_of_displaced(fluxes: BodyFluxes, liquid: np.ndarray, rho: float, grav
     if fluxes.edge is not None:
         each += rho * np.where(liquid[:, None], fluxes.edge[:, 0], fluxes.edge[:, 1])
     r = fluxes.lift[:, 3:]
-    return np.concatenate([each.sum(axis=0), np.cross(r, each).sum(axis=0)])
+    force = each.sum(axis=0)
+    return np.concatenate([force, off_axis(force, np.cross(r, each).sum(axis=0), fluxes.axis)])
