@@ -39,8 +39,8 @@ def test_wavemaker(runs, deck):
 
 @pytest.mark.parametrize(("con", "bound"), [(0.45, 0.03), (0.1, 1e-3)])
 def test_cells_stay_full_behind_a_sphere(runs, con, bound):
-    # Measured: 1.9e-3 and 4.3e-4 (see the page), 1.3e-5 and 1.2e-6 ten steps after the sphere stands. VALIDATION E: .03,
-    # 1e-3, gone a few steps later: a thousandth of .03. By planes in cut cells alone .013 crossed a face in one step.
+    # Measured: 1.9e-3 and 4.3e-4 (see the page), 1.3e-5 and 1.2e-6 ten steps after it stands. VALIDATION E: .03, 1e-3,
+    # gone a few steps later: a thousandth of .03. By planes in cut cells alone .013 crossed a face in one step.
     found = script(runs, "swept", "every_step").look("full", con)
     assert found.off.max() <= bound
     stands = int(np.argmax(found.after > 0.401))
