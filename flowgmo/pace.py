@@ -80,6 +80,11 @@ class Pace:
         state, wet = self.state, world.wet_bodies
         bodies = wet.longest_step(state.v_WB, state.w_WB) if wet is not None else np.inf
         longest = world.liquid.longest_step(state.fluid, clock.dt, bodies)
+        if longest < clock.dt_min and world.liquid.limiting != "growth":
+            raise StepFailed(
+                f"the next step would be {longest:.3g}, bounded by: {world.liquid.limiting}, and none may be below "
+                f"dtmin={clock.dt_min:.3g}. Check the speeds in the deck"
+            )
         dt = min(most, longest)
         self.wanted = dt * (1.0 - LAND)  # a step shorter than that is shared before a landing
         self.bounded_by = world.liquid.limiting if longest <= most else "largest step"

@@ -20,18 +20,16 @@ def explained(
 
     velocities (k, 6) of the moving bodies with these names.
     """
-    if not isinstance(error.__cause__, PressedTogether):
+    cause = error.__cause__
+    if not isinstance(cause, PressedTogether):
         return error
     region = np.zeros(immersed.open.V.shape, np.int64) if sealed.label is None else sealed.label
-    inside = region >= 0
-    into = np.bincount(region[tuple(immersed.cells.T)].clip(0), -immersed.growth, len(sealed.cells))
-    into[sealed.reached] = 0.0
-    k = int(np.argmax(into) if into.max() > 0.0 else np.argmin(into))
+    inside, k = region >= 0, cause.region
     pushed = [
         float((one.J @ U)[region.reshape(-1)[one.cells] == k].sum())
         for one, U in zip(immersed.fluxes, velocities, strict=True)
     ]
-    if not pushed or into[k] == 0.0:
+    if not any(pushed):
         return error
     body = names[int(np.argmax(np.abs(pushed)))]
     here = (inside & (region == k))[G:-G, G:-G, G:-G]
@@ -39,7 +37,7 @@ def explained(
     for name, planes, axis in zip("xyz", block.planes, range(3), strict=True):
         some = np.flatnonzero(here.any(axis=tuple(d for d in range(3) if d != axis)))
         ends.append(f"{name} = {planes[some[0]]:.6g} to {planes[some[-1] + 1]:.6g}")
-    how = "presses liquid together" if into[k] > 0.0 else "pulls liquid apart"
+    how = "presses liquid together" if cause.inflow > 0.0 else "pulls liquid apart"
     return StepFailed(
         f"body {body} {how} that fills a closed space of {int(sealed.cells[k])} cells, {', '.join(ends)}. Give the "
         "space an opening (a gap beside the body, or a side with ibct 3, 5 or 8), or let the liquid give way by rcsql "

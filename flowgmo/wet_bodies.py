@@ -43,6 +43,7 @@ from flowgmo.wet_contacts import Contacts, held_contacts
 from flowgmo.wet_explicit import Explicit
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
+from flowgmo.wet_stops import let_go
 
 if TYPE_CHECKING:
     from flowgmo.film import Film, StepFilms
@@ -332,6 +333,10 @@ class WetBodies:
             self.planned = 0.5 * (U + np.hstack([motion["v"][self.wet], motion["w"][self.wet]]))
             self._load(loads, motion)
             return
+        if motion["hold"][self.wet].any():
+            control = np.zeros((len(motion), 6))
+            control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, control)
+            let_go(self.arrays, motion, self.wet, loads + control[self.wet])
         for b, own in zip(self.wet, U, strict=True):
             for to in (motion, *rows):
                 to["v"][b], to["w"][b] = own[:3], own[3:]

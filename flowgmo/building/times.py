@@ -25,7 +25,7 @@ def build_clock(found: Findings) -> ClockPlan:
         dt_max=_largest_steps(deck),
         last_step=int(deck["ITWFIN"]),
     )
-    least = max(clock.dt_min, float(np.spacing(min(clock.end, _reach(clock)))))  # t + dt must differ from t
+    least = max(clock.dt_min, float(np.spacing(min(clock.end, _reach(deck, clock)))))  # t + dt must differ from t
     if not clock.dt >= least:
         name = "DELT" if deck.given("DELT") else "TWFIN"
         found.problem(
@@ -67,15 +67,18 @@ def build_output(found: Findings, clock: ClockPlan) -> OutputPlan:
     )
 
 
-def _reach(clock: ClockPlan) -> float:
-    """A time that the number of steps cannot pass; only the last step before an output time is longer than dt."""
-    return (clock.last_step + 1) * clock.dt
+def _reach(deck: Deck, clock: ClockPlan) -> float:
+    """A time that the number of steps cannot pass; infinity in a wet scene, whose steps grow beyond DELT.
+
+    In a dry scene only the last step before an output time is longer than dt.
+    """
+    return np.inf if deck.given("RHOF") else (clock.last_step + 1) * clock.dt
 
 
 def _output_intervals(found: Findings, name: str, clock: ClockPlan) -> Intervals:
     """Intervals of one kind of output; times that the number of steps cannot reach are left out."""
     intervals = _intervals(found.deck, name, "TEDIT")
-    reach = _reach(clock)
+    reach = _reach(found.deck, clock)
     if reach < clock.end:
         before = intervals.ends < reach
         n = int(before.sum())

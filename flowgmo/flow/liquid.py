@@ -10,7 +10,7 @@ import os
 import numpy as np
 
 from flowgmo.flow.boundary import Sides
-from flowgmo.flow.columns import all_columns, columns_where, widen
+from flowgmo.flow.columns import all_columns, clear_left, columns_where, tabulate, widen
 from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.immersed.immersed import Immersed
 from flowgmo.flow.momentum.extrapolation import make_beside
@@ -66,6 +66,8 @@ class Liquid:
         )  # fmt: skip
         self.acceleration = self._per_direction()
         self.predicted = self._per_direction()
+        self.everywhere = all_columns(self.shape)
+        self.held = self.everywhere, np.zeros((0, 4), np.int32)  # columns of the state's and the new velocity
         self.p = np.zeros(self.shape)
         self.F = None if not plan.free_surface else np.zeros(self.shape)
         self.beside = make_beside(self.shape, self.present) if plan.free_surface else None
@@ -99,12 +101,23 @@ class Liquid:
             self.faces = widen(self.near, 1, self.shape, self.ends)
             self.about = widen(self.near, 2, self.shape, self.ends)
 
+    def clear_beyond(self) -> None:
+        """Zero in `predicted` where its velocities are two steps old and no liquid is near: no restart knows those."""
+        kept, left = self.held
+        if self.immersed is not None:  # which writes velocities of bodies, and of what they uncover, in the air too
+            left = self.everywhere
+        tabulate(self.about, self.ends)
+        for a in self.predicted:
+            if a is not None:
+                self.team.run(clear_left, left, self.ends, a)
+        self.held = kept, self.about
+
     def store(self, flow: Flow, dt: float) -> None:
         """Make the new values the state's, and the state's old arrays scratch."""
         self._found = None
         old = flow.velocity
         flow.u, flow.v, flow.w = self.predicted
-        self.predicted = old
+        self.predicted, self.held = old, self.held[::-1]
         flow.p, flow.p_before, self.p = self.p, flow.p, flow.p_before if flow.p_before is not None else flow.p.copy()
         if flow.F is not None:
             flow.F, self.F = self.F, flow.F

@@ -36,6 +36,7 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     old = [flow.u, flow.v, flow.w]
     liquid.sides.set_time(t1)
     liquid.find_columns(flow.F)
+    liquid.clear_beyond()
     liquid.projector.set_surface(flow.F)
     _look_beside(liquid, flow.F)
     for a in liquid.acceleration:

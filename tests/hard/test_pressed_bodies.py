@@ -31,6 +31,23 @@ def test_a_piston_in_a_closed_duct_is_told(speed, place, tmp_path):
         assert part in reason, reason
 
 
+@pytest.mark.parametrize("kind", [3, 8])
+def test_a_chamber_that_lets_out_is_not_the_one_named(kind, tmp_path):
+    """The liquid before the piston leaves through Xmax; that behind it has no way in."""
+    text = duct(bcdata=CLOSED.replace("(2)=2", f"(2)={kind}"))
+    assert run(model_of(text), tmp_path / "r", None, "test") == FAILED
+    reason = json.loads((tmp_path / "r" / "run.json").read_text())["reason"]
+    assert "body piston pulls liquid apart" in reason and "x = 0 to 0.3125" in reason, reason
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # as the command line does
+def test_a_velocity_near_the_largest_number(tmp_path):
+    """Steps of 0 did not advance the clock, and something divided by them."""
+    assert run(model_of(duct(1e308)), tmp_path / "r", None, "test") == FAILED
+    reason = json.loads((tmp_path / "r" / "run.json").read_text())["reason"]
+    assert "dtmin" in reason and "bodies" in reason, reason
+
+
 @pytest.mark.parametrize(
     "scene",
     [{"props": "rhof=1000., rcsql=1e-9,"}, {"bcdata": CLOSED.replace("(1)=2", "(1)=5").replace("(2)=2", "(2)=5")}],

@@ -86,9 +86,30 @@ def same(one, two):
         assert np.array_equal(a[name], b[name]), name
 
 
+def test_no_velocity_is_kept_where_a_body_was():
+    """Closed faces have the body's velocity, in the air too. Where it had been its old velocities stayed behind, in one
+    of two arrays that take turns: a restart did not know them."""
+    text, shown = tank(bodies="box").replace("zh(1)=0.09375", "zh(1)=0.22, utobs(1,1)=-2."), 0  # a tall one
+
+    def look(world, state, report):
+        nonlocal shown
+        liquid, near = world.liquid, np.zeros(world.liquid.shape, bool)
+        for i, j, low, high in liquid.held[0]:  # of the step just made
+            near[i, j, low:high] = True
+        for u, held in zip(state.fluid.velocity, liquid.immersed.held, strict=True):
+            known = near.copy()
+            known[held[0]] = True
+            shown += int(known.sum() - near.sum())
+            assert not u[REAL][~known[REAL]].any()
+
+    play(text, 30, each=look)
+    assert shown > 20  # faces of the body in the air; 32 in the first steps, before water is thrown up
+
+
 OUTPUT = "tpltd(1)=.13, tapltd(1)=.05, thpltd(1)=.017,"
 SCENES = {
     "pushed, full": tank(output=OUTPUT, bodies="ball", full=True),
+    "leaves": tank(output=OUTPUT, bodies="box").replace("roty(1)", "wtobs(1,1)=3., roty(1)"),  # the water
     "both": tank(output=OUTPUT, grafic="xloc(1)=.41, yloc(1)=.35, zloc(1)=.31,", flowgmo="planex(1)=.5,"),
 }
 

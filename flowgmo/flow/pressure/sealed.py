@@ -21,7 +21,14 @@ NOWHERE = tuple(np.zeros(0, np.int64) for _ in range(3))  # index of no cell
 
 
 class PressedTogether(ValueError):
-    """Liquid flows into a full closed space; the text says where and what to do."""
+    """Liquid flows into a full closed space, or out of it; the text says what and what to do.
+
+    region: number of the space; inflow [length3/time].
+    """
+
+    def __init__(self, region: int, cells: int, inflow: float) -> None:
+        self.region, self.inflow = region, inflow
+        super().__init__(_complaint(cells, inflow))
 
 
 @kernel
@@ -241,8 +248,10 @@ class Sealed:
             rooms = np.zeros(n)
             if rooms_of is not None:
                 sum_rooms(columns, wet, self.label, *rooms_of, rooms)
-            for k in np.flatnonzero(many & (np.abs(sums) * dt > rooms)):
-                raise PressedTogether(_complaint(int(counts[k]), float(sums[k])))
+            worst = np.where(many & (np.abs(sums) * dt > rooms), sums, 0.0)
+            if worst.any():  # of what is pressed together and what is pulled apart by the same body, the former
+                k = int(np.argmax(worst) if worst.max() > 0.0 else np.argmin(worst))
+                raise PressedTogether(k, int(counts[k]), float(sums[k]))
             rate = np.where(many, -sums / np.where(rooms > 0.0, rooms, 1.0), 0.0)
             fill_rooms(columns, wet, self.label, *rooms_of, rate, right)
             sums = np.where(many, 0.0, sums)  # to round-off

@@ -23,6 +23,16 @@ def test_defaults(model):
     assert made.output.restart_wall == 600.0
 
 
+def test_output_beyond_the_last_step_is_left_out(build):
+    """In a dry scene; in a wet one steps grow beyond DELT: rows after (ITWFIN + 1) DELT were missing."""
+    text = "t\n&xput\n twfin=1.,\n delt=.01,\n itwfin=9,\n thpltd(1)=.02,\n itb=1,\n/\n&mesh {mesh} /\n{more}"
+    dry = build(text.format(mesh="", more=""))
+    assert dry.output.history.times(1.0) == pytest.approx([0.02, 0.04, 0.06, 0.08, 0.1, 1.0])
+    more = "&props rhof=1000. /\n&fl flht=.5 /\n"
+    wet = build(text.format(mesh="px=0.,1., nxcelt=4, py=0.,1., nycelt=4, pz=0.,1., nzcelt=4,", more=more))
+    assert len(wet.output.history.times(1.0)) == 50
+
+
 def test_intervals_change_at_tedit(model):
     """Each value until the same element of TEDIT, the last one to the end."""
     made = model("twfin=2., tpltd(1)=.25, tpltd(2)=.5, tedit(1)=1.,")
