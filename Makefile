@@ -2,6 +2,7 @@
 # `make lint`  ruff, lint and format                         `make test-all`  the slow ones too
 # `make docs`  the deck reference from the registry          `make clean`     removes what make made
 # `make bench-flow`  what the liquid costs by mesh and by wetted share; PART=wet runs that one
+# `make bench-bodies`  what bodies in the liquid cost; PART=surface runs that one
 # `make bench-collision`  cost and error of each part of the collision model; PART=search runs that one
 
 PYTHON ?= python3
@@ -9,7 +10,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: run test test-all lint docs bench-collision bench-flow clean setup
+.PHONY: run test test-all lint docs bench-bodies bench-collision bench-flow clean setup
 
 setup: $(READY)
 
@@ -40,6 +41,9 @@ bench-collision: $(READY)
 
 bench-flow: $(READY)
 	$(BIN)/python tests/cost/bench_flow.py $(PART)
+
+bench-bodies: $(READY)
+	$(BIN)/python tests/cost/bench_bodies.py $(PART)
 
 clean:
 	rm -rf $(VENV) build *.egg-info decks/*/*.out

@@ -27,6 +27,8 @@ def pipelines(version: str) -> tuple[dict, dict]:
 _of_kernel, _of_inner = pipelines(numba.__version__)
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **_of_kernel)
 inner = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_of_inner)
+#: As `kernel`, and releases Python's lock: what threads share that needs arrays of its own.
+free_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, **_of_kernel)
 #: A kernel of the flow: releases Python's lock, so that threads share its columns; a * b + c may be one operation. It
 #: makes no arrays, and does not count references to those that it was given (_nrt): counting them in every cell, for
 #: each inner function, costs more than the work.

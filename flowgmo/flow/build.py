@@ -37,6 +37,7 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
         liquid.walls[body.number] = (share.cells, share.faces)
     if covers is not None:
         centres = [np.pad(0.5 * (x[1:] + x[:-1]), G, mode="edge") for x in block.planes]
+        covers.share(liquid.team)
         liquid.immersed = Immersed(covers, grid, centres, liquid.renew)
     return liquid
 

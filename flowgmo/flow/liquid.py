@@ -84,11 +84,12 @@ class Liquid:
         self.courant = 0.0  # of the step just made
         self.tally = Tally()
 
-    def renew(self) -> None:
-        """The open fractions have changed: sort faces and regions anew."""
+    def renew(self, cells: np.ndarray | None = None) -> None:
+        """The open fractions have changed, of cells (n, 3) [in C order] and their lower faces, or (None) anywhere:
+        sort faces and regions anew."""
         self._found = None
-        self.momentum.renew()
-        self.projector.renew()
+        self.momentum.renew(cells)
+        self.projector.renew(cells)
 
     def _per_direction(self) -> list:
         return [np.zeros(self.shape) if there else None for there in self.present]

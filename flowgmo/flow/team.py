@@ -44,6 +44,13 @@ class Team:
         threads = -(-len(pieces) // PIECES)
         self._run(kernel, columns, [pieces[n::threads] for n in range(threads)], arguments)
 
+    def run_rows(self, work: Callable, rows: np.ndarray, least: int, *arguments: object) -> None:
+        """work(rows, first, last, *arguments) on all rows in equal parts, as many as have `least` of them each."""
+        n = len(rows)
+        count = int(max(min(self.threads, n // least), 1))
+        ends = [p * n // count for p in range(count + 1)]
+        self._run(work, rows, [[part] for part in zip(ends[:-1], ends[1:], strict=True)], arguments)
+
     def _run(self, kernel: Callable, columns: np.ndarray, shares: list, arguments: tuple) -> None:
         """One share, a list of ranges, for each thread; the first is the caller's."""
         for jobs, share in zip(self._jobs, shares[1:], strict=False):

@@ -15,7 +15,7 @@ from flowgmo.flow.favor.body_cut import MOST_SHEETS, NODES, cover_cell
 from flowgmo.flow.favor.clip_square import MOST
 from flowgmo.flow.favor.cut_cell import work_space
 from flowgmo.flow.favor.near_surface import LARGEST, ROUNDING
-from flowgmo.kernel import inner, kernel
+from flowgmo.kernel import free_kernel, inner, kernel
 
 PLANE = 4  # numbers of a plane: n (3), h
 ROUND = 8  # numbers of a round sheet: c (3), a (3), r, s
@@ -200,7 +200,7 @@ def _known_values(rows, at, known, c, least, values, count):
     return count
 
 
-@kernel
+@free_kernel
 def cut_body(cells, x, y, z, planes, rounds, least, rows, at, known, covered):
     """covered (c, 7) of cells (c, 3) [without ghosts]: six faces, then volume [-].
 

@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowgmo.flow.fields import Open
+from flowgmo.flow.favor.changed_cells import merged, runs_around
+from flowgmo.flow.fields import G, Open
 from flowgmo.kernel import inner, kernel
 
 Array = np.ndarray
@@ -43,20 +44,20 @@ OPEN = np.uint8(8)  # bit of a cell that is open to the full, upper faces too
 
 
 @kernel
-def _mark_open(V, Ax, Ay, Az, plain):
-    """plain = OPEN where the cell and its upper faces are open to the full, else 0; ghosts too."""
-    nx, ny, nz = V.shape
-    for i in range(nx):
-        for j in range(ny):
-            for k in range(nz):
-                least = V[i, j, k]
-                if Ax is not None:
-                    least = min(least, Ax[i, j, k])
-                if Ay is not None:
-                    least = min(least, Ay[i, j, k])
-                if Az is not None:
-                    least = min(least, Az[i, j, k])
-                plain[i, j, k] = OPEN if least >= 1.0 else np.uint8(0)
+def _mark_open(columns, V, Ax, Ay, Az, plain):
+    """plain = OPEN where the cell and its upper faces are open to the full, else 0, in the columns' cells."""
+    for c in range(columns.shape[0]):
+        i = U64(columns[c, 0])
+        j = U64(columns[c, 1])
+        for k in range(U64(columns[c, 2]), U64(columns[c, 3])):
+            least = V[i, j, k]
+            if Ax is not None:
+                least = min(least, Ax[i, j, k])
+            if Ay is not None:
+                least = min(least, Ay[i, j, k])
+            if Az is not None:
+                least = min(least, Az[i, j, k])
+            plain[i, j, k] = OPEN if least >= 1.0 else np.uint8(0)
 
 
 @inner
@@ -108,15 +109,40 @@ def find_cut_faces(columns: Array, open: Open) -> CutFaces:
     """Sort the upper faces of all cells in columns (m, 4). Once for solids that stand still."""
     if open.V is None:
         return NO_SOLIDS
+    nx, ny, nz = open.V.shape
+    i, j = np.meshgrid(np.arange(nx), np.arange(ny), indexing="ij")
+    every = np.column_stack([i.ravel(), j.ravel(), np.zeros(nx * ny), np.full(nx * ny, nz)]).astype(np.int32)
     plain = np.empty(open.V.shape, np.uint8)
-    _mark_open(*open, plain)
-    rows: list[Array | None] = []
-    for c, A in enumerate(open[1:]):
-        if A is None:
-            rows.append(None)
-            continue
-        bit = np.uint8(1 << c)
-        found = np.empty((_sort_faces(columns, A, *STEPS[c], bit, plain), 4), np.int32)
-        _list_cut(columns, A, bit, plain, found)
-        rows.append(found)
-    return CutFaces(plain, tuple(rows))
+    _mark_open(every, *open, plain)
+    return CutFaces(plain, tuple(None if A is None else _cut(columns, A, c, plain) for c, A in enumerate(open[1:])))
+
+
+def sort_again(before: CutFaces, open: Open, cells: Array, lines: Array) -> tuple[CutFaces, tuple[Array | None, ...]]:
+    """As find_cut_faces of all real cells, where only cells (n, 3) [with ghosts, in C order], their lower faces, and
+    the ghosts that are their images have changed since `before`, whose `plain` goes on; and for u, v, w where each row
+    was before, -1: it was found anew. lines (nx, ny, 2) int32 zeros: scratch."""
+    plain = before.plain
+    around = runs_around(cells, plain, lines)
+    _mark_open(around, *open, plain)
+    inside = _real(around, plain.shape)
+    found = [
+        (None, None) if A is None else merged(rows, inside, _cut(inside, A, c, plain))
+        for c, (A, rows) in enumerate(zip(open[1:], before.rows, strict=True))
+    ]
+    return CutFaces(plain, tuple(rows for rows, _ in found)), tuple(source for _, source in found)
+
+
+def _cut(columns: Array, A: Array, c: int, plain: Array) -> Array:
+    """The cut faces (n, 4) of component c in the columns, where `plain` gets the bit of the plain ones."""
+    bit = np.uint8(1 << c)
+    found = np.empty((_sort_faces(columns, A, *STEPS[c], bit, plain), 4), np.int32)
+    _list_cut(columns, A, bit, plain, found)
+    return found
+
+
+def _real(columns: Array, shape: tuple[int, ...]) -> Array:
+    """What columns hold of the real cells."""
+    nx, ny, nz = shape
+    out = columns[(columns[:, 0] >= G) & (columns[:, 0] < nx - G) & (columns[:, 1] >= G) & (columns[:, 1] < ny - G)]
+    out[:, 2:] = out[:, 2:].clip(G, nz - G)
+    return out[out[:, 2] < out[:, 3]]

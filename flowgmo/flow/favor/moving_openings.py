@@ -21,13 +21,14 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.favor import covered_cells, put_openings
-from flowgmo.flow.favor.body_cover import BodyCover, CoverMesh, cover_body, keep_volume, touches_side
+from flowgmo.flow.favor.body_cover import BodyCover, CoverMesh, cover_bodies, keep_volume, touches_side
 from flowgmo.flow.favor.body_sheets import Body
 from flowgmo.flow.favor.fractions import Solids
 from flowgmo.flow.favor.near_surface import Pose, Shape
 from flowgmo.flow.favor.overlaps import Posed, cut_overlaps
 from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Open, zeros
+from flowgmo.flow.team import Team
 from flowgmo.mesh import Block
 
 
@@ -101,9 +102,14 @@ class MovingOpenings:
         self._pending: _Pending | None = None
         self._left: _Pending | None = None  # where bodies were expected but did not come
         self._targets: list[float | None] = [None] * len(self._shapes)
+        self._changed: list[np.ndarray] = []
         self.sweep(poses)
         self.settle()
         self._targets = [c.volume if _inside(c, self._mesh) else None for c in self._covers]
+
+    def share(self, team: Team) -> None:
+        """What bodies cover is found by a team from now on; the same bits for any number of threads."""
+        self._mesh.team = team
 
     @property
     def covers(self) -> list[BodyCover]:
@@ -114,6 +120,16 @@ class MovingOpenings:
     def still(self) -> Open:
         """What the stationary solids leave open."""
         return self._still
+
+    def take_changed(self) -> np.ndarray:
+        """Numbers (n,) [with ghosts] of cells of which, or of whose lower faces, `mean` was written since last asked,
+        ascending; ghosts are their images."""
+        shape = np.array(self._mesh.shape)
+        lists = [np.zeros(0, np.int64)]
+        for cells in {id(a): a for a in self._changed}.values():
+            lists.append(np.ravel_multi_index(tuple(cells.T.astype(np.int64)), shape))
+        self._changed = []
+        return covered_cells.united(lists)
 
     def sweep(self, poses: Sequence[Pose], *, middle: Sequence[Pose] | None = None, keep_mean: bool = False) -> Swept:
         """What the bodies touch on their way to new poses; sets `mean`, and leaves `open` as it is.
@@ -126,10 +142,10 @@ class MovingOpenings:
         pending = self._pending
         if pending is not None and all(_same(a, b) for a, b in zip(poses, pending.poses, strict=True)):
             return pending.swept
-        covers = [self._cover(b, pose) for b, pose in enumerate(poses)]
+        covers = self._cover(poses)
         if pending is not None and not keep_mean:
             self._put(self.mean, pending.cells, pending.now)
-        halfway = None if middle is None else [self._cover(b, pose) for b, pose in enumerate(middle)]
+        halfway = None if middle is None else self._cover(middle)
         cells, rows0, rows1, rows_m = self._touched(covers, halfway)
         if keep_mean:
             self._left = self._left or pending
@@ -192,17 +208,23 @@ class MovingOpenings:
         put_openings.mirror_cells(cells, fields.V, -1)
         self._put(fields, cells, opened)
 
-    def _cover(self, b: int, pose: Pose) -> BodyCover:
-        """What body b covers in a pose, known already where it is there or was swept there."""
+    def _cover(self, poses: Sequence[Pose]) -> list[BodyCover]:
+        """What the bodies cover in these poses, known already where they are there or were swept there."""
+        out = [self._known(b, pose) for b, pose in enumerate(poses)]
+        missing = [b for b, cover in enumerate(out) if cover is None]
+        found = cover_bodies(self._mesh, [self._bodies[b].moved(poses[b]) for b in missing])
+        for b, cover in zip(missing, found, strict=True):
+            target = self._targets[b]
+            keep = target is None or cover.volume == target or not _inside(cover, self._mesh)
+            out[b] = cover if keep else keep_volume(self._mesh, cover, target)
+        return out
+
+    def _known(self, b: int, pose: Pose) -> BodyCover | None:
         if _same(pose, self._poses[b]):
             return self._covers[b]
         if self._pending is not None and _same(pose, self._pending.poses[b]):
             return self._pending.covers[b]
-        found = cover_body(self._mesh, self._bodies[b].moved(pose))
-        target = self._targets[b]
-        if target is None or found.volume == target or not _inside(found, self._mesh):
-            return found
-        return keep_volume(self._mesh, found, target)
+        return None
 
     def _touched(
         self, covers: list[BodyCover], halfway: list[BodyCover] | None
@@ -252,6 +274,8 @@ class MovingOpenings:
 
     def _put(self, fields: Open, cells: np.ndarray, opened: np.ndarray) -> None:
         """Faces of cells, and their images beyond the sides."""
+        if fields is self.mean:
+            self._changed.append(cells)
         put_openings.put_faces(cells, opened, *fields[1:])
         for axis, a in enumerate(fields[1:]):
             put_openings.mirror_cells(cells, a, axis)

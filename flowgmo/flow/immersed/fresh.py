@@ -9,15 +9,44 @@ from __future__ import annotations
 
 import numpy as np
 
-AROUND = [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
+from flowgmo.kernel import kernel
 
 
-def mean_around(a: np.ndarray, weight: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means (n,) of a over the 26 places around cells (n, 3) by weight (mesh), and the sums (n,) of the weights."""
+@kernel
+def _sum_around(a, x, d, weight, open_or_not, cells, total, sums):
+    """total (n,) and sums (n,) of mean_around, in one order."""
+    nx, ny, nz = weight.shape
+    for c in range(len(cells)):
+        for m in range(27):
+            di = m // 9 - 1
+            dj = m // 3 % 3 - 1
+            dk = m % 3 - 1
+            if m == 13:
+                continue
+            i = min(max(cells[c, 0] + di, 0), nx - 1)
+            j = min(max(cells[c, 1] + dj, 0), ny - 1)
+            k = min(max(cells[c, 2] + dk, 0), nz - 1)
+            near = weight[i, j, k]
+            if open_or_not:
+                near = 1.0 if near > 0.0 else 0.0
+            near /= abs(di) + abs(dj) + abs(dk)
+            if a is not None:
+                total[c] += near * a[i, j, k]
+            if x is not None:
+                total[c] += near * x[i if d == 0 else (j if d == 1 else k)]
+            sums[c] += near
+
+
+def mean_around(
+    a: np.ndarray | None, weight: np.ndarray, cells: np.ndarray, *, open_or_not: bool = False,
+    along: tuple[int, np.ndarray] | None = None,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Means (n,) of a over the 26 places around cells (n, 3) by weight (mesh), and the sums (n,) of the weights.
+
+    open_or_not: the weight is one wherever it is not nothing. along: in place of a, a direction and what holds there.
+    """
     total, sums = np.zeros(len(cells)), np.zeros(len(cells))
-    for step in AROUND:
-        at = tuple(np.minimum(np.maximum(cells[:, e] + step[e], 0), a.shape[e] - 1) for e in range(3))
-        near = weight[at] / (abs(step[0]) + abs(step[1]) + abs(step[2]))
-        total += near * a[at]
-        sums += near
+    if len(cells):
+        d, x = (0, None) if along is None else along
+        _sum_around(a, x, d, weight, open_or_not, np.ascontiguousarray(cells, np.int64), total, sums)
     return total / np.where(sums > 0.0, sums, 1.0), sums

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flowgmo.flow.favor.covered_cells import cells_of, united
 from flowgmo.flow.favor.moving_openings import MovingOpenings
 from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.favor.shares import Shares
@@ -35,12 +36,24 @@ from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.immersed.moving_walls import spin_resistance, wall_faces
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.volume_change import VolumeChange
+from flowgmo.kernel import kernel
 
 if TYPE_CHECKING:
     from flowgmo.flow.momentum.momentum import Momentum
 
 NARROW = 0.01  # of a face
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step, as in pressure/projection.py
+
+
+@kernel
+def narrow(numbers, faces, factors, part, shares):
+    """shares[:, part] times the factor of the face, where numbers (n,) of faces, ascending, are among faces (m,)."""
+    n = np.int64(0)
+    for c in range(len(numbers)):
+        while n < len(faces) and faces[n] < numbers[c]:
+            n += 1
+        if n < len(faces) and faces[n] == numbers[c]:
+            shares[c, part] *= factors[n]
 
 
 class Immersed:
@@ -55,13 +68,15 @@ class Immersed:
         covers: MovingOpenings,
         grid: Grid,
         centres: list[np.ndarray],
-        renew: Callable[[], None],
+        renew: Callable[[np.ndarray | None], None],
     ) -> None:
         self.covers, self.grid, self.centres, self.renew = covers, grid, centres, renew
         self.open = covers.mean
         self.weight = np.zeros(3)  # of the liquid, rho g
         self.gravity = np.zeros(3)
         self.swept = None
+        self.cells = np.zeros((0, 3), np.int32)
+        self.sorted = None  # numbers of the cells whose open fractions were other than `covers` has them: not yet any
         self.short: ShortCells | None = None
         self.solved = np.zeros(0, bool)  # (b,) bodies that the pressure moves
         self.no_exit = False  # no side of the domain lets liquid through
@@ -107,8 +122,23 @@ class Immersed:
         exceed its section, or its sides would be walls (wall_shear.py)."""
         V, change = self.open.V, self.change
         V[change.rows] = 0.5 * (change.V0 + change.V1)
-        self.renew()
+        self.renew(self._changed())
         V[change.rows] = change.most
+
+    def _changed(self) -> np.ndarray | None:
+        """Cells (n, 3) in C order that are open otherwise, or whose lower faces are, than when this was last asked;
+        None: any may be."""
+        before, self.sorted = self.sorted, self._numbers(self.cells)
+        written = self.covers.take_changed()
+        if before is None:
+            return None
+        every = united([written, before, self.sorted])
+        cells_of(every, self.open.V.shape, cells := np.empty((len(every), 3), np.int32))
+        return cells
+
+    def _numbers(self, cells: np.ndarray) -> np.ndarray:
+        """(n,): flat index into arrays of mesh size of cells (n, 3)."""
+        return np.ravel_multi_index(tuple(cells.T.astype(np.int64)), self.open.V.shape)
 
     def _pushed_out(self, velocities: np.ndarray) -> np.ndarray:
         """(n,) [length3/time]: what the bodies bring out of cells with these velocities, by their shares of faces."""
@@ -125,29 +155,24 @@ class Immersed:
         gap: jets, and blows on the body. So wide, the pressure around the body reaches it. What flows there is the
         pressure's alone: before it acts the liquid moves with the body, since friction would stop it at once.
         """
-        self.widened: list[dict[int, float]] = []  # for each direction, face -> by which the bodies' shares shrink
+        self.widened = []  # for each direction: numbers of faces, ascending, and by which the bodies' shares shrink
+        numbers = self._numbers(self.cells)
         for d, A in enumerate(self.open[1:]):
-            flat, faces = A.reshape(-1), []
-            for lower in (0, 1):
-                at = self.cells.astype(np.intp)
-                at[:, d] -= lower
-                faces.append(np.ravel_multi_index(tuple(at.T), A.shape))
-            faces = np.unique(np.concatenate(faces))
-            faces = faces[(flat[faces] > 0.0) & (flat[faces] < NARROW)]
-            self.widened.append(dict(zip(faces.tolist(), (1.0 - NARROW) / (1.0 - flat[faces]), strict=True)))
+            flat, step = A.reshape(-1), A.strides[d] // A.itemsize
+            near = [at[(flat[at] > 0.0) & (flat[at] < NARROW)] for at in (numbers, numbers - step)]
+            faces = united(near)
+            self.widened.append((faces, (1.0 - NARROW) / (1.0 - flat[faces])))
             flat[faces] = NARROW
 
     def _narrowed(self, shares: Shares) -> Shares:
         """A body's shares with A + sum of S = 1 on the widened faces too, so that it gets what the liquid loses."""
-        if not any(self.widened):
+        if not any(len(faces) for faces, _ in self.widened):
             return shares
-        out = shares.faces.copy()
-        for d, faces in enumerate(self.widened):
+        out, numbers = shares.faces.copy(), self._numbers(shares.cells)
+        for d, (faces, factors) in enumerate(self.widened):
             for upper in (0, 1):
-                at = shares.cells.astype(np.intp)
-                at[:, d] -= 1 - upper
-                numbers = np.ravel_multi_index(tuple(at.T), self.open.V.shape)
-                out[:, 2 * d + upper] *= [faces.get(n, 1.0) for n in numbers.tolist()]
+                step = self.open.V.strides[d] // self.open.V.itemsize
+                narrow(numbers - (1 - upper) * step, faces, factors, 2 * d + upper, out)
         return shares._replace(faces=out)
 
     def _uncover_cells(self, flow: Flow) -> None:
@@ -170,8 +195,7 @@ class Immersed:
         mean, sums = mean_around(p, V, at)
         for d, x in enumerate(self.centres):
             if self.weight[d] != 0.0:
-                places = np.broadcast_to(x.reshape([-1 if e == d else 1 for e in range(3)]), V.shape)
-                mean += self.weight[d] * (x[at[:, d]] - mean_around(places, V, at)[0])
+                mean += self.weight[d] * (x[at[:, d]] - mean_around(None, V, at, along=(d, x))[0])
         p[rows] = np.where(sums > 0.0, mean, p[rows])
 
     def _find_faces(self, flow: Flow, places: np.ndarray, velocities: np.ndarray) -> None:
@@ -185,7 +209,7 @@ class Immersed:
             before, mean = self.covers.open[1 + d], self.open[1 + d]
             opens = (before[faces] == 0.0) & (mean[faces] > 0.0)
             at = np.column_stack(faces)[opens]
-            around, weight = mean_around(u, (before > 0.0) if len(at) else before, at)
+            around, weight = mean_around(u, before, at, open_or_not=True)
             u[tuple(at.T)] = np.where(weight > 0.0, around, speed[opens])
             shut = mean[faces] <= NARROW
             faces = tuple(f[shut] for f in faces)

@@ -33,6 +33,12 @@ def _list_short(columns, F, V, Ax, Ay, Az, most, cells):
     for c in range(len(columns)):
         i = np.int64(columns[c, 0])
         j = np.int64(columns[c, 1])
+        some = False
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):  # most columns have none: a loop that
+            lack = _lacks(F, V, i, j, k)  # vectorises says so
+            some |= (lack > NOTICED) & (lack < most)
+        if not some:
+            continue
         for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
             if not NOTICED < _lacks(F, V, i, j, k) < most:
                 continue

@@ -16,8 +16,8 @@ import numpy as np
 from flowgmo.errors import StepTooLong
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import all_columns
-from flowgmo.flow.favor.cut_faces import find_cut_faces
-from flowgmo.flow.fields import Grid, Open
+from flowgmo.flow.favor.cut_faces import NO_SOLIDS, find_cut_faces, sort_again
+from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.momentum.advection import add_advection, make_schemes
 from flowgmo.flow.momentum.implicit_viscosity import add_implicit_viscosity
@@ -46,21 +46,50 @@ class Momentum:
         if self.nu > 0.0 and not self.implicit:
             self.limit = viscous_limit(grid, self.nu, present)
         self.plan, self.present = plan, present
+        self.lines = np.zeros((*shape[:2], 2), np.int32)  # scratch of `renew`
         self.renew()
         self.scratch = tuple(np.zeros(shape) for _ in range(4)) if self.implicit else ()
 
-    def renew(self) -> None:
-        """Sort the faces by the open fractions as they are now; walls that move have to be given anew."""
-        self.friction = None
-        self.cut = find_cut_faces(self.every, self.openings)
+    def renew(self, cells: np.ndarray | None = None) -> None:
+        """Sort the faces by the open fractions as they are now; walls that move have to be given anew.
+
+        cells (n, 3) [with ghosts, in C order]: those whose fractions, or lower faces', are others than when this was
+        last done; None: all.
+        """
+        self.friction, sources = None, (None, None, None)
+        if cells is None or self.cut is NO_SOLIDS:
+            self.cut, self.sorted = find_cut_faces(self.every, self.openings), (None, None, None)
+        else:
+            self.cut, sources = sort_again(self.cut, self.openings, cells, self.lines)
         if self.nu > 0.0:
             plan, grid, openings, present = self.plan, self.grid, self.openings, self.present
-            no_slip = tuple(plan.no_slip and side.kind == WALL for side in plan.sides)
-            speeds = self._speeds(self.sides.values)
-            walls = tuple(find_side_walls(grid, openings, no_slip, speeds, c, present) for c in range(3))
-            self.operators = make_viscosity(self.team, grid, openings, self.cut, present, plan.no_slip, walls)
-            if any(stick and _changes(side) for stick, side in zip(no_slip, plan.sides, strict=True)):
-                self.walls = tuple(w for w in walls if w is not None)
+            if cells is None or self._touch_walls(cells):
+                self._find_walls()
+            args = self.cut, present, plan.no_slip, self.side_walls, self.sorted, sources
+            self.operators = self.sorted = make_viscosity(self.team, grid, openings, *args)
+
+    def _find_walls(self) -> None:
+        """The faces beside walls on the sides of the domain, as far as they are open."""
+        plan = self.plan
+        no_slip, speeds = self._no_slip(), self._speeds(self.sides.values)
+        self.side_walls = tuple(
+            find_side_walls(self.grid, self.openings, no_slip, speeds, c, self.present) for c in range(3)
+        )
+        if any(stick and _changes(side) for stick, side in zip(no_slip, plan.sides, strict=True)):
+            self.walls = tuple(w for w in self.side_walls if w is not None)
+
+    def _no_slip(self) -> tuple[bool, ...]:
+        """(6,): sides at which the liquid sticks."""
+        return tuple(self.plan.no_slip and side.kind == WALL for side in self.plan.sides)
+
+    def _touch_walls(self, cells: np.ndarray) -> bool:
+        """Whether cells (n, 3) beside sides at which the liquid sticks are among these."""
+        for n, stick in enumerate(self._no_slip()):
+            d, upper = divmod(n, 2)
+            last = len(self.grid[d]) - G - 1
+            if stick and len(cells) and (cells[:, d].max() >= last if upper else cells[:, d].min() <= G):
+                return True
+        return False
 
     def move_walls(self, friction: Friction) -> None:
         """The walls of bodies slide in the step to come, by the speeds that `friction` sets."""

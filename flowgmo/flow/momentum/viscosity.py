@@ -97,10 +97,14 @@ def make_viscosity(
     present: tuple[bool, bool, bool],
     no_slip: bool,
     sides: tuple[SideWalls | None, SideWalls | None, SideWalls | None],
+    before: tuple[Viscosity | None, ...] = (None, None, None),
+    sources: tuple[Array | None, ...] = (None, None, None),
 ) -> tuple[Viscosity | None, Viscosity | None, Viscosity | None]:
     """The operator for u, v, w (None where absent).
 
     present (3,): directions that are not absent. no_slip: of solids (`IWSH`); sides: wall_shear.find_side_walls.
+    before, sources: operators of the step before, and where each cut row was in them (cut_faces.sort_again); what holds
+    of rows that were there already is taken over.
     """
     operators = []
     for c in range(3):
@@ -108,16 +112,33 @@ def make_viscosity(
             operators.append(None)
             continue
         conducts = tuple(_conduct(grid[d], grid[3 + d], own=d == c) if present[d] else None for d in range(3))
-        near = None
-        rows = cut.rows[c]
+        rows, near = cut.rows[c], None
         if rows is not None and len(rows):
-            n = len(rows)
-            near = CutViscosity(rows, np.empty((n, 6)), np.empty(n), np.zeros(n), None)
-            team.run(conduct_cut, rows, *STEPS[c], open[1 + c], *open, *grid[:3], near.c, near.V)
-            if no_slip:
-                team.run(solid_shear, rows, *STEPS[c], *open, *grid[:3], near.s)
+            old = None if before[c] is None else before[c].cut
+            near = _at_solids(team, rows, c, grid, open, no_slip, old, sources[c])
         operators.append(Viscosity(conducts, cut.plain, np.uint8(1 << c), near, sides[c]))
     return tuple(operators)
+
+
+def _at_solids(
+    team: Team, rows: Array, c: int, grid: Grid, open: Open, no_slip: bool, old: CutViscosity | None,
+    source: Array | None,
+) -> CutViscosity:  # fmt: skip
+    """Of component c on cut faces rows (n, 4); source (n,): where they are in `old`, -1: not at all; None: none is."""
+    n = len(rows)
+    out = CutViscosity(rows, np.empty((n, 6)), np.empty(n), np.zeros(n), None)
+    new = slice(None)
+    if old is not None and source is not None:
+        new, kept = np.flatnonzero(source < 0), np.flatnonzero(source >= 0)
+        for a, b in zip(out[1:4], old[1:4], strict=True):
+            a[kept] = b[source[kept]]
+    some = rows[new]
+    found, volume, shear = np.empty((len(some), 6)), np.empty(len(some)), np.zeros(len(some))
+    team.run(conduct_cut, some, *STEPS[c], open[1 + c], *open, *grid[:3], found, volume)
+    if no_slip:
+        team.run(solid_shear, some, *STEPS[c], *open, *grid[:3], shear)
+    out.c[new], out.V[new], out.s[new] = found, volume, shear
+    return out
 
 
 def apply(

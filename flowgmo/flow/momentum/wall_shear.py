@@ -79,8 +79,9 @@ def find_side_walls(
     if not parts:
         return None
     rows, s, of_side = (np.concatenate(a) for a in zip(*parts, strict=True))
-    rows, of = np.unique(rows, axis=0, return_inverse=True)
-    of = of.ravel()
+    numbers = np.ravel_multi_index(tuple(rows[:, :3].T), tuple(len(d) for d in widths))  # sorted much faster than rows
+    _, first, of = np.unique(numbers, return_index=True, return_inverse=True)
+    rows = rows[first]
     total = np.bincount(of, s)
     shares = np.zeros((len(rows), 6))
     shares[of, of_side] = s / total[of]

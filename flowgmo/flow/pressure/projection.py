@@ -23,7 +23,7 @@ from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import ONE, all_columns, cells_in, clear_left, columns_where, widen
 from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.immersed.coupling import Coupling
-from flowgmo.flow.pressure.conjugate_gradients import ConjugateGradients, Solved
+from flowgmo.flow.pressure.conjugate_gradients import ConjugateGradients, Solved, dots
 from flowgmo.flow.pressure.exits import Exits
 from flowgmo.flow.pressure.multigrid import Multigrid
 from flowgmo.flow.pressure.pressure_matrix import (
@@ -223,9 +223,9 @@ class Projector:
         every[:, d] = G - 1
         return every
 
-    def renew(self) -> None:
-        """The open fractions have changed."""
-        self.sealed = Sealed(self.openings, self.q.shape, self.held, self.sides.periodic)
+    def renew(self, cells: np.ndarray | None = None) -> None:
+        """The open fractions have changed: of cells (n, 3) [in C order] and their lower faces, None: anywhere."""
+        self.sealed.renew(cells)
         self.exits = Exits(self.grid, self.openings, self.sides, self.sealed.label)
 
     def set_surface(self, F: np.ndarray | None) -> None:
@@ -336,12 +336,21 @@ class Projector:
         run(scale_into, m.columns, self.q, self.rho / dt, p)
         return replace(solved, iterations=iterations)
 
-    def respond(self, right: np.ndarray, q: np.ndarray, digits: float) -> None:
+    def respond(self, right: np.ndarray, q: np.ndarray, digits: float) -> Callable[[np.ndarray], float]:
         """q = the answer of the liquid to right [length3/time], with the equation as it was last solved; to so many
-        digits of the largest value. Where the liquid is shut in, right is made to add up to nothing."""
+        digits of the largest value. Where the liquid is shut in, right is made to add up to nothing. Returns `left`.
+        """
         m, volume = self.matrix, float(np.prod([d[G:-G].min() for d in self.grid[:3]]))
         self.sealed.balance(m.columns, self.wet, right, MUCH)
         self.solver.solve(m.columns, m.arrays, right, q, digits * float(np.abs(right).max()) / volume, 100)
+        return self.left
+
+    def left(self, q: np.ndarray) -> float:
+        """q . what the last solution has left of its right-hand side [of q's unit, length3/time]."""
+        r, columns = self.solver.r, self.matrix.columns
+        both = np.zeros((2, len(columns)))
+        self.team.run(dots, columns, q, r, r, both)
+        return float(both[0].sum())
 
     def answer(self, velocity: list, coupling: Coupling, tolerance: float) -> Solved:
         """Push velocity by q = the answer of liquid and bodies to self.right [length3/time], with the equation as it

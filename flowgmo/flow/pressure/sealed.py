@@ -15,6 +15,7 @@ import numpy as np
 from flowgmo.flow.columns import cells_in
 from flowgmo.flow.fields import G, Open
 from flowgmo.flow.pressure.pressure_matrix import open_volume
+from flowgmo.flow.pressure.regions import Regions
 from flowgmo.kernel import inner, kernel
 
 NOWHERE = tuple(np.zeros(0, np.int64) for _ in range(3))  # index of no cell
@@ -29,80 +30,6 @@ class PressedTogether(ValueError):
     def __init__(self, region: int, cells: int, inflow: float) -> None:
         self.region, self.inflow = region, inflow
         super().__init__(_complaint(cells, inflow))
-
-
-@kernel
-def _find(parent, a):
-    """The root of a cell's tree, with the way to it halved."""
-    while parent[a] != a:
-        parent[a] = parent[parent[a]]
-        a = parent[a]
-    return a
-
-
-@kernel
-def _label_runs(V, Az, label):
-    """label = number of a cell's run (open cells of a vertical line, joined by open faces), -1: closed; their count."""
-    nx, ny, nz = label.shape
-    count = np.int64(0)
-    for i in range(nx):
-        for j in range(ny):
-            inside = G <= i < nx - G and G <= j < ny - G
-            for k in range(nz):
-                if not inside or k < G or k >= nz - G or V[i, j, k] == 0.0:
-                    label[i, j, k] = -1
-                    continue
-                if k == G or V[i, j, k - 1] == 0.0 or Az[i, j, k - 1] == 0.0:
-                    count += 1
-                label[i, j, k] = count - 1
-    return count
-
-
-@kernel
-def _join_lines(A, label, i, j, m, n, parent):
-    """Join the runs of the lines (i, j) and (m, n) where the faces A between them, on the first, are open."""
-    last_one = last_two = np.int64(-1)
-    for k in range(G, label.shape[2] - G):
-        one = np.int64(label[i, j, k])
-        two = np.int64(label[m, n, k])
-        if one < 0 or two < 0 or A[i, j, k] == 0.0 or (one == last_one and two == last_two):
-            continue
-        last_one, last_two = one, two
-        parent[_find(parent, one)] = _find(parent, two)
-
-
-@kernel
-def label_regions(V, Ax, Ay, Az, joined, label):
-    """Number the regions of open cells from 0 in `label` (-1: closed); returns how many.
-
-    joined (3,): the two sides across a direction are one (periodic). Runs along z are joined, not cells: they are few.
-    """
-    nx, ny, nz = label.shape
-    parent = np.arange(_label_runs(V, Az, label))
-    for i in range(G, nx - G):
-        for j in range(G, ny - G):
-            m = i + 1 if i + 1 < nx - G else G
-            if m > i or joined[0]:
-                _join_lines(Ax, label, i, j, m, j, parent)
-            m = j + 1 if j + 1 < ny - G else G
-            if m > j or joined[1]:
-                _join_lines(Ay, label, i, j, i, m, parent)
-            top, bottom = np.int64(label[i, j, nz - G - 1]), np.int64(label[i, j, G])
-            if joined[2] and top >= 0 and bottom >= 0 and Az[i, j, nz - G - 1] > 0.0:
-                parent[_find(parent, top)] = _find(parent, bottom)
-    number = np.full(len(parent), -1, np.int32)
-    count = np.int64(0)
-    for run in range(len(parent)):
-        root = _find(parent, np.int64(run))
-        if number[root] < 0:
-            number[root] = count
-            count += 1
-    for i in range(G, nx - G):
-        for j in range(G, ny - G):
-            for k in range(G, nz - G):
-                if label[i, j, k] >= 0:
-                    label[i, j, k] = number[_find(parent, np.int64(label[i, j, k]))]
-    return count
 
 
 @kernel
@@ -182,22 +109,21 @@ class Sealed:
     def __init__(
         self, openings: Open, shape: tuple[int, ...], held: tuple[bool, ...], joined: tuple[bool, ...]
     ) -> None:
-        self.label = None
-        count, cells = 1, np.array([np.prod([n - 2 * G for n in shape])])
-        reached = np.array([any(held)])
+        self.label = self.regions = None
+        self.cells, self.reached = np.array([np.prod([n - 2 * G for n in shape])]), np.array([any(held)])
         if openings.V is not None:
-            self.label = np.empty(shape, np.int32)
-            count = label_regions(*openings, np.array(joined), self.label)
-            inside = self.label[G:-G, G:-G, G:-G]
-            cells = np.bincount(inside[inside >= 0], minlength=count)
-            reached = np.zeros(count, bool)
-            for side, is_held in enumerate(held):
-                if is_held:
-                    layer = np.moveaxis(inside, side // 2, 0)[-(side % 2)]
-                    reached[layer[layer >= 0]] = True
-        self.cells, self.reached = cells, reached
-        if count == 1:
-            self.label = None
+            self.regions = Regions(openings, held, joined)
+            self._take()
+
+    def renew(self, cells: np.ndarray | None = None) -> None:
+        """The open fractions have changed: of cells (n, 3) and their lower faces, None: anywhere."""
+        if self.regions is not None:
+            self.regions.renew(cells)
+            self._take()
+
+    def _take(self) -> None:
+        self.cells, self.reached = self.regions.cells, self.regions.reached
+        self.label = self.regions.label if len(self.cells) != 1 else None
 
     def _region(self, cells: tuple) -> np.ndarray:
         """Numbers of the regions of cells, given as an index of arrays of mesh size."""

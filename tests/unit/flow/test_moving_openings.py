@@ -234,8 +234,8 @@ def test_bodies_at_rest_cost_nothing(monkeypatch):
     poses = [pose((0.3, 0.3, 0.5)), pose((0.7, 0.6, 0.5))]
     moving, _ = start(block, BED, SHAPES[:2], poses)
     asked = []
-    real = body_cover.cover_body
-    monkeypatch.setattr("flowgmo.flow.favor.moving_openings.cover_body", lambda *a: asked.append(1) or real(*a))
+    real = body_cover.cover_bodies
+    monkeypatch.setattr("flowgmo.flow.favor.moving_openings.cover_bodies", lambda m, b: asked.extend(b) or real(m, b))
     swept = moving.sweep(poses)
     assert not asked
     assert (swept.V0 == swept.V1).all()
