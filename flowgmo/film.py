@@ -7,7 +7,9 @@ film_patch.py. A film pushes at its middle: it does not resist tilting, so that 
 A side of the domain that is a mirror lets the liquid slide: a quarter of the force. Films that lie partly outside the
 domain count by the part inside: a quarter of a ball, cut by two mirrors, has a quarter of the film. Where there is a
 free surface they count by the liquid of the cells around. Of a pair that is near at several places whose normals differ
-each is a film; places with one normal are one.
+each is a film; places with one normal are one. Places from which the gap only narrows on the way to a narrower one are
+none: its film reaches there. Neighbours that face alike, such as those along a ring on which a ball sits, share what
+is between them: each reaches half the way to the next, or the ring would count as often as there are places on it.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ import numpy as np
 from flowgmo.bodies.arrays import POSE
 from flowgmo.bodies.energy import rotation_matrices
 from flowgmo.collision.gaps import Gaps
-from flowgmo.film_patch import Patch, measured, of_balls
+from flowgmo.film_patch import Patch, measured, of_balls, own_share
 from flowgmo.flow.fields import G
 from flowgmo.flow.immersed.contact_rows import rows_of_contacts
 from flowgmo.flow.immersed.film import REACH, Films, Squeeze, strength_of
@@ -35,6 +37,10 @@ ALIKE = 0.99  # cosine of the angle between normals of one film
 PLATE = 3.0  # power of a film that ends at edges all around
 OVERLAP = 1e-6  # of the smaller body: deeper at the start, a pair is none (as in building/contacts.py)
 NARROW = 1e-9  # along an axis whose part is less a film has no extent
+WIDER = 2.0  # times the width of another place: beyond its film, which reaches as far as the gap has doubled
+STEEP = 0.25  # growth of the gap along itself: 14 degrees between the surfaces, which only an edge has at its narrowest
+RISE = 0.125  # of the width: a way on which the gap widens by less leads on to where it is narrower
+WAY = np.arange(1, 8)[:, None, None] / 8.0  # places between two, where the gap is looked at
 SLIPPERY = 0.25  # of the force: a film between a wall and a surface on which it slides
 
 
@@ -116,9 +122,12 @@ class Film:
         go the way of the mean of the velocities at both ends of the step, else of the end.
         """
         found = []
-        for group in _groups(self.gaps.near(motion, REACH * self.widest)):
-            if (int(group["a"][0]), int(group["b"][0])) not in self.overlapping:
-                found += self._film(group, F, motion)
+        near = self.gaps.near(motion, REACH * self.widest)
+        for a, b in np.unique(near[["a", "b"]]).tolist():
+            if (a, b) not in self.overlapping:
+                groups = self._narrowest(_groups(near[(near["a"] == a) & (near["b"] == b)]), motion)
+                for group in groups:
+                    found += self._film(group, groups, F, motion)
         if not found:
             return None
         number = np.full(self.n + 6, -1)
@@ -134,15 +143,43 @@ class Film:
         films = Films(gap, strength, power, cell, rough)
         return StepFilms(found, Squeeze(films, rows.normal, rows.speed, rate0, dt, mean=mean), centres)
 
-    def _film(self, group: Array, F: Array | None, motion: Array) -> list[Found]:
-        """The film of contacts of one pair with one normal: one, or none."""
+    def _narrowest(self, groups: list[Array], motion: Array) -> list[Array]:
+        """Those of a pair's groups, each begun by its narrowest place, from which no way leads on to a narrower one."""
+        if len(groups) == 1:
+            return groups
+        first = np.array([group[0] for group in groups])
+        width = np.maximum(first["gap"], 0.0) + self._rough(first["a"][0], first["b"][0])[0]
+        width_at = self._width(int(first["a"][0]), int(first["b"][0]), motion)
+        ways = 0.1 * width * np.concatenate([np.eye(3), -np.eye(3)])[:, :, None]  # (6, 3, k): a tenth of the gap
+        around = width_at((first["point"] + ways.transpose(0, 2, 1)).reshape(-1, 3)).reshape(6, -1)
+        steep = np.linalg.norm(around[:3] - around[3:], axis=0) > 0.2 * STEEP * width
+        dropped = set(np.flatnonzero(steep & (width > width.min())).tolist())
+        from_, to = first["point"], np.full(len(first), -1)
+        for k in range(len(first)):
+            others = np.flatnonzero(WIDER * width < width[k])
+            if len(others) and k not in dropped:
+                to[k] = others[np.linalg.norm(from_[others] - from_[k], axis=1).argmin()]
+        some = np.flatnonzero(to >= 0)
+        if len(some):
+            along = from_[some] + WAY * (from_[to[some]] - from_[some])
+            wide = width_at(along.reshape(-1, 3)).reshape(len(WAY), -1)
+            leads = wide.max(axis=0) - first["gap"][some] <= RISE * width[some]
+            dropped |= set(some[leads].tolist())
+        return [group for k, group in enumerate(groups) if k not in dropped]
+
+    def _rough(self, a: int, b: int) -> tuple[float, ...]:
+        """[length]: of round surfaces, of plane ones; one for both where the deck gives it."""
+        given, size = self.model.fluid.film.roughness, self._smaller(a, b)
+        return (ROUGH * size, FLAT * size) if given is None else (given,)
+
+    def _film(self, group: Array, groups: list[Array], F: Array | None, motion: Array) -> list[Found]:
+        """The film of contacts of one pair with one normal: one, or none. groups: of the pair."""
         a, b = int(group["a"][0]), int(group["b"][0])
         gap = max(float(group["gap"].min()), 0.0)
         cell = self._cell(group["point"].mean(axis=0), group["normal"][0])
         if gap >= REACH * cell:
             return []
-        given, size = self.model.fluid.film.roughness, self._smaller(a, b)
-        for rough in (given,) if given is not None else (ROUGH * size, FLAT * size):
+        for rough in self._rough(a, b):
             h = gap + rough
             near = np.maximum(1.0 - (group["gap"] - group["gap"].min()) / h, 0.0)  # those within which the gap doubles
             place = (near[:, None] * group["point"]).sum(axis=0) / near.sum()
@@ -153,6 +190,8 @@ class Film:
                 break
         cell = self._cell(patch.place, normal)
         share = self._inside(patch, h) * self._wet(patch, h, cell, F) * (SLIPPERY if b in self.slippery else 1.0)
+        alike = [g["point"][0] for g in groups if g is not group and g["normal"][0] @ normal > 0.0]
+        share *= own_share(patch, h, group["point"][0], np.array(alike).reshape(-1, 3))
         if share <= 0.0 or gap >= REACH * cell:
             return []
         strength = share * float(strength_of(patch.curvatures[None], h, self.model.fluid.mu)[0])
@@ -162,8 +201,12 @@ class Film:
         radii = [self._ball_radius(a), self._ball_radius(b)]
         if radii[0] is not None and radii[1] is not None:
             return of_balls(place, normal, 1.0 / radii[0] + 1.0 / radii[1])
-        distances = [self._distance(party, motion) for party in (a, b)]
-        return measured(lambda x: distances[0](x) + distances[1](x), place, normal, h, self.whole)
+        return measured(self._width(a, b, motion), place, normal, h, self.whole)
+
+    def _width(self, a: int, b: int, motion: Array) -> Callable[[Array], Array]:
+        """Widths (m,) of the gap between two parties at points (m, 3)."""
+        one, other = self._distance(a, motion), self._distance(b, motion)
+        return lambda x: one(x) + other(x)
 
     def _ball_radius(self, party: int) -> float | None:
         """Of a ball, infinite of a side of the domain; None of others."""
@@ -215,17 +258,14 @@ class Film:
 
 
 def _groups(contacts: Array) -> list[Array]:
-    """Contacts (m,) CONTACT, sorted by pair, told apart by pair and normal."""
-    groups: list[list[int]] = []
-    for k, one in enumerate(contacts):
-        for group in groups:
-            first = contacts[group[0]]
-            if first["a"] == one["a"] and first["b"] == one["b"] and first["normal"] @ one["normal"] > ALIKE:
-                group.append(k)
-                break
-        else:
-            groups.append([k])
-    return [contacts[group] for group in groups]
+    """Contacts (m,) CONTACT of a pair told apart by their normals, each group begun by its narrowest place."""
+    groups, left = [], contacts[np.argsort(contacts["gap"], kind="stable")]
+    while len(left):
+        alike = left["normal"] @ left["normal"][0] > ALIKE
+        alike[0] = True
+        groups.append(left[alike])
+        left = left[~alike]
+    return groups
 
 
 def _radius(shape: object) -> float:

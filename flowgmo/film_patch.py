@@ -69,6 +69,17 @@ def measured(width: Callable[[Array], Array], place: Array, normal: Array, gap: 
     return Patch(place, curvatures, lines, power)
 
 
+def own_share(patch: Patch, h: float, own: Array, others: Array) -> float:
+    """Share of a film that is nearer to its own place (3,) than to others (m, 3); h [length]: the width of its gap."""
+    away, share = others - own, 1.0
+    far = (away * away).sum(axis=1)
+    for line, k in zip(patch.lines, patch.curvatures, strict=True):
+        ahead, reach = away @ line, np.sqrt(2.0 * h / k)
+        ends = [float((0.5 * far[s > 0.0] / s[s > 0.0]).min(initial=reach)) for s in (ahead, -ahead)]
+        share *= 0.5 * sum(ends) / reach
+    return share
+
+
 def _torsion(ends: Array) -> float:
     """J [length4] of the polygon with corners so far (2 LINES,) from the middle."""
     next_, turn = np.roll(ends, -1), np.pi / LINES

@@ -130,12 +130,12 @@ class WetBodies:
         places = 0.5 * (motion["p"][m] + then["p"][m])
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
         self.liquid.immersed.begin(
-            flow, self.poses(then), self.poses(middle), places, self.velocities, self.middles(then)
+            flow, self.poses(then), self.poses(middle), places, self.velocities, self.middles(then), dt
         )
         self._bound_edges(dt)
         self.liquid.find_columns(flow.F)
         self._meet_walls(flow, motion, t0, t1, places, held)
-        self.liquid.immersed.fill_short(self.liquid.near, flow.F)
+        self.liquid.immersed.fill_short(self.liquid.faces, flow.F)
 
     def _bound_edges(self, dt: float) -> None:
         """What the waterline adds to the load of a body (waterline.py) has no liquid in the pressure equation whose

@@ -33,6 +33,7 @@ ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body
 FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
 AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
 LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
+WORTH = 0.99  # of a step: it ends with the impact already; to shorten it by less, again and again, would have no end
 SHORTEST = 0.05  # of a step that nothing has shortened: shorter ones are not cut again for an impact
 
 
@@ -76,7 +77,7 @@ class WetImpacts:
         speeds = of.speeds(motion["v"], motion["w"])
         off = 2.0 * sum(speeds[of.place[b]] for b in bodies) * (t1 - hit) / of.cell
         share = max(AFTER * (hit - state.t) / dt, LEAST)
-        if off > ASTRAY and share < 1.0:
+        if off > ASTRAY and share < WORTH:
             raise StepTooLong(f"body {of.names[of.place[bodies[0]]]} will be hit in the step", share)
 
     def check_ways(
@@ -100,9 +101,9 @@ class WetImpacts:
             if off <= ASTRAY and not pushed:
                 continue
             share = max(AFTER * (hit - t0) / dt, LEAST)
-            if share < 1.0 or off > FAR:
+            if share < WORTH or off > FAR:
                 text = f"contacts lead body {of.names[k]} {off:.3g} of a cell away from its way"
-                raise StepTooLong(text, share if share < 1.0 else None)
+                raise StepTooLong(text, share if share < WORTH else None)
 
     def settle(self, flow: object, motion: np.ndarray, owed: np.ndarray) -> None:
         """The liquid gets what impacts owe it, owed (n, 6), which is then nothing: velocities of liquid and bodies,

@@ -33,7 +33,12 @@ def changed(runs, case, deck, name, *changes):
 
 
 def closes(found, leak, void):
-    """It meets the seat, bounces, and stays; then hardly anything leaks and no void is left beneath or above it."""
+    """It meets the seat, bounces, and stays; then hardly anything leaks and no void is left beneath or above it.
+
+    The bounce: .3 of .52 m/s, against 3.4 N (weight less buoyancy, 1000 Pa on the hole) on ball and water of .52 kg
+    would take 48 ms; seen 37, since water is drawn through the gap. The film between ball and seat takes 3 % of that.
+    Counted once for each place that the contact engine sees it took all, and the ball rested at .092 s.
+    """
     assert found["time of closing"] == pytest.approx(0.086, rel=0.03)
     assert found["time of rest"] == pytest.approx(0.137, rel=0.05)
     assert found["leak over largest flow"] <= leak
@@ -44,12 +49,9 @@ def closes(found, leak, void):
     assert found["volume error"] <= 1e-10
 
 
-@pytest.mark.xfail(
-    reason="met before balls and solids of revolution, drops and cut cells changed; not looked into", strict=False
-)
 def test_valve_closes_on_a_coarse_mesh(runs):
-    # 11 cells across the ball. Measured: .0866 and .1378 s, leak 6.5 %, -.56 N, voids .0015 of the ball. A seat that
-    # the mesh does not close would leak a third, a ball that bounces on would not rest.
+    # 11 cells across the ball. Measured: .0866 and .1353 s (without film .1375), leak 6.5 %, -.56 N, voids .0015 of the
+    # ball. A seat that the mesh does not close would leak a third, a ball that bounces on would not rest.
     cells = [("nxcelt=24, nycelt=24, nzcelt=48", "nxcelt=16, nycelt=16, nzcelt=32")]
     found = runs.measure.measure(changed(runs, "valve", "valve", "coarse", *cells), "valve", "valve")
     closes(found, 0.08, 0.003)
@@ -57,7 +59,8 @@ def test_valve_closes_on_a_coarse_mesh(runs):
 
 @pytest.mark.slow
 def test_valve_closes(runs):
-    # 16 cells across. Measured: .0857 and .1362 s, leak 3.5 %, -.46 N, voids .00014 and 3e-6 of the ball.
+    # 16 cells across. Measured: .0857 and .1352 s (without film .1362), leak 3.5 %, -.46 N, voids .00014 and 3e-6 of
+    # the ball.
     closes(runs.measure.measure(runs.results("valve", "valve"), "valve", "valve"), 0.045, 3e-4)
 
 

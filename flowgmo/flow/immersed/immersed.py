@@ -28,9 +28,10 @@ import numpy as np
 from flowgmo.flow.favor.covered_cells import cells_of, united
 from flowgmo.flow.favor.moving_openings import MovingOpenings
 from flowgmo.flow.favor.near_surface import Pose
-from flowgmo.flow.favor.shares import Shares
+from flowgmo.flow.favor.shares import Shares, wall_areas
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, closed_sum
+from flowgmo.flow.immersed.crossings import mend_crossings
 from flowgmo.flow.immersed.fresh import mean_around
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.immersed.moving_walls import spin_resistance, wall_faces
@@ -91,14 +92,18 @@ class Immersed:
         places: np.ndarray,
         velocities: np.ndarray,
         centres: Sequence[np.ndarray | None],
+        dt: float,
     ) -> None:
         """Open fractions from now to the expected poses, by those of the middle, reached with velocities (b, 6) of B
-        and spins, B at places (b, 3). centres: of balls, see body_fluxes."""
-        swept = self.swept = self.covers.sweep(poses, middle=middle)
+        and spins, B at places (b, 3), within dt. centres: of balls, see body_fluxes."""
+        before, swept = self.swept, self.covers.sweep(poses, middle=middle)
+        self.swept = swept
         self.cells, rows = swept.cells, tuple(swept.cells.T)
         self.change = VolumeChange(rows, swept.V0, swept.V1, self.open.V)
         volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
         self.growth = (swept.V1 - swept.V0) * volumes
+        if before is not swept:
+            self.shares = self._mended(swept.shares, places, velocities, dt)
         inside = self.covers.all_inside()
         self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
         self.closed = flow.F is None and (self.solved & self.no_exit | inside)
@@ -110,12 +115,24 @@ class Immersed:
         self._find_faces(flow, places, velocities)
         self.hold(flow.velocity)
         self.fluxes: list[BodyFluxes] = []
-        for shares, covered, place, centre in zip(swept.shares, swept.covered, places, centres, strict=True):
+        for shares, covered, place, centre in zip(self.shares, swept.covered, places, centres, strict=True):
             surface = None if flow.F is None else (flow.F, self.gravity)
             mine = self._narrowed(shares)
             self.fluxes.append(body_fluxes(mine, covered, self.grid, self.centres, place, centre, surface))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
+
+    def _mended(
+        self, shares: Sequence[Shares], places: np.ndarray, velocities: np.ndarray, dt: float
+    ) -> Sequence[Shares]:
+        """The bodies' shares with the means of faces that they pass at once (crossings.py)."""
+        missing, numbers = self.growth.copy(), self._numbers(self.cells)
+        for one, place, U in zip(shares, places, velocities, strict=True):
+            a = wall_areas(one, self.grid)
+            r = np.column_stack([c[one.cells[:, e]] for e, c in enumerate(self.centres)]) - place
+            swept = a @ U[:3] + np.cross(r, a) @ U[3:]
+            missing[np.searchsorted(numbers, self._numbers(one.cells))] -= dt * swept
+        return mend_crossings(self.open, shares, (numbers, missing), self.grid, self.centres, places, velocities, dt)
 
     def _renew_at_mean(self) -> None:
         """Sort faces anew with the mean of the open volumes, as the areas are means: what is open of a cell must not
@@ -219,7 +236,7 @@ class Immersed:
         """Index of the faces along d that bodies cover (wholly or in part), and the bodies' velocity there."""
         found, speeds = [], []
         e, f = (d + 1) % 3, (d + 2) % 3
-        for shares, place, U in zip(self.swept.shares, places, velocities, strict=True):
+        for shares, place, U in zip(self.shares, places, velocities, strict=True):
             for upper in (0, 1):
                 mine = shares.faces[:, 2 * d + upper] > 0.0
                 at = shares.cells[mine].astype(np.intp)
@@ -245,11 +262,9 @@ class Immersed:
         (b, 6), W (b, 6, 6), mu [mass/length/time]."""
         operators = momentum.operators
         spread = 0.0 if momentum.implicit else dt * momentum.nu
-        walls = wall_faces(operators, self.swept.shares, places, self.grid, self.open, self.centres, mu, F, spread)
+        walls = wall_faces(operators, self.shares, places, self.grid, self.open, self.centres, mu, F, spread)
         speeds = [None if o is None or o.cut is None else np.zeros(len(o.cut.rows)) for o in operators]
-        spins = [
-            spin_resistance(*one, self.grid, self.centres, mu, F) for one in zip(self.swept.shares, places, strict=True)
-        ]
+        spins = [spin_resistance(*one, self.grid, self.centres, mu, F) for one in zip(self.shares, places, strict=True)]
         found = Friction(walls, np.array(spins), speeds, U0, W, dt)
         momentum.move_walls(found)
         return found

@@ -15,7 +15,7 @@ from flowgmo.kernel import inner, kernel
 
 SMALL = 0.02  # of a cell's volume: what steps of a body's motion leave; a void by which a surface shows is larger
 
-NOTICED = 1e-7  # of a cell's volume: less is below what the solver's tolerance leaves, and no void for lids.py either
+NOTICED = 1e-7  # [-] 1 - F: less is below what the solver's tolerance leaves, and no void for lids.py either
 SOME = 4096  # cells that are looked for at first
 
 
@@ -35,12 +35,11 @@ def _list_short(columns, F, V, Ax, Ay, Az, most, cells):
         j = np.int64(columns[c, 1])
         some = False
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):  # most columns have none: a loop that
-            lack = _lacks(F, V, i, j, k)  # vectorises says so
-            some |= (lack > NOTICED) & (lack < most)
+            some |= (1.0 - F[i, j, k] > NOTICED) & (_lacks(F, V, i, j, k) < most)  # vectorises says so
         if not some:
             continue
         for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
-            if not NOTICED < _lacks(F, V, i, j, k) < most:
+            if not (1.0 - F[i, j, k] > NOTICED and 0.0 < _lacks(F, V, i, j, k) < most):
                 continue
             deep = True
             for d in range(3):

@@ -6,8 +6,10 @@ surface is met where the plane of one of the two cells (PLIC, plic.py) crosses t
     centre of the liquid cell  o------------|====x=====|----------o  centre of the other        x: the plane
                                0     own half   other half        h
 
-The crossing counts for the plane of the cell in whose half it lies. Where no plane does, since they do not fit at the
-face or a solid hides how the surface lies, what both cells hold is taken for a column of liquid along the line.
+The crossing counts for the plane of the cell in whose half it lies. Where both do, one of them is what transport has
+left: a little void in the cell below or a little liquid in the one above, and the larger one of the two is believed.
+Where no plane does, since they do not fit at the face or a solid hides how the surface lies, what both cells hold is
+taken for a column of liquid along the line.
 """
 
 from __future__ import annotations
@@ -121,6 +123,16 @@ def _goes_on(m, alpha, d, F, V, opened, i, j, k):
 
 
 @inner
+def _holds_more(F, V, own, other, own_wide, other_wide):
+    """Whether the other cell has more liquid than the own one has void."""
+    void, liquid = (1.0 - F[own[0], own[1], own[2]]) * own_wide, F[other[0], other[1], other[2]] * other_wide
+    if V is not None:
+        void *= V[own[0], own[1], own[2]]
+        liquid *= V[other[0], other[1], other[2]]
+    return liquid > void
+
+
+@inner
 def wet_share(F, V, opened, steps, own, other, d, sign, own_wide, other_wide):
     """Share of the distance of two centres that is wet: own (i, j, k) is liquid, other beyond sign * d is not.
 
@@ -132,12 +144,15 @@ def wet_share(F, V, opened, steps, own, other, d, sign, own_wide, other_wide):
     near = sign * _crossing(m, alpha, d)
     # a plane through the very centre, where F = 1/2, may round to either side of it; one in the face to the other cell
     # may be void that the pressure's tolerance has left in a full cell: then the other cell knows better
-    if -NEAREST <= near <= 0.5 - NEAREST:
+    meets = -NEAREST <= near <= 0.5 - NEAREST
+    if meets and not _holds_more(F, V, own, other, own_wide, other_wide):
         return max(near * own_wide / h, NEAREST)
     n, beta = _plane(F, V, opened, steps, other[0], other[1], other[2])
     far = -sign * _crossing(n, beta, d)
     if -2.0 * NEAREST <= far <= 0.5:  # the centre of a dry cell may lie as deep as that
         return max((h - far * other_wide) / h, NEAREST)
+    if meets:
+        return max(near * own_wide / h, NEAREST)
     if _near_centre(m, alpha) or _one_level(m, alpha, n, beta, d):
         return math.inf
     if not is_plane(n) and _goes_on(m, alpha, d, F, V, opened, other[0], other[1], other[2]):

@@ -94,7 +94,7 @@ def test_sorted_anew_where_bodies_moved(ny, sides, viscous):
     for n in range(50):
         if n % 7 != 3:  # else they rest
             poses = wander(rng, turn=n % 2 == 0)
-        immersed.begin(state.fluid, poses, wander(rng), zeros[:, :3], zeros, [None] * 3)
+        immersed.begin(state.fluid, poses, wander(rng), zeros[:, :3], zeros, [None] * 3, 1.0)
         if n % 5 == 1:
             immersed.withdraw()
             continue
