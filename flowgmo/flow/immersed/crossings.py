@@ -25,40 +25,60 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flowgmo.flow.favor.shares import Shares
+from flowgmo.flow.favor.shares import Shares, wall_areas
 from flowgmo.flow.fields import Grid, Open
 
 AMISS = 0.01  # of a cell: less is what the mean of three leaves of walls that pass gradually (balls: up to 5e-3)
 
 
 def mend_crossings(
-    opened: Open, shares: Sequence[Shares], missing: tuple[np.ndarray, np.ndarray], grid: Grid,
-    centres: Sequence[np.ndarray], places: np.ndarray, velocities: np.ndarray, dt: float,
+    opened: Open, shares: Sequence[Shares], grown: tuple[np.ndarray, np.ndarray], grid: Grid,
+    centres: Sequence[np.ndarray], places: np.ndarray, velocities: np.ndarray, middles: Sequence[np.ndarray | None],
+    dt: float,
 ) -> list[Shares]:  # fmt: skip
     """The bodies' shares of faces, and the openings in `opened`, with r = 0 where walls pass faces at once.
 
-    missing: numbers (n,) of cells, ascending, and r of each (n,) [length3], changed; B at places (b, 3), velocities
-    (b, 6). opened's areas are changed where shares are.
+    grown: numbers (n,) of cells, ascending, and V1 - V0 of each (n,) [length3]; B at places (b, 3), velocities (b, 6);
+    centres of cells, middles of bodies: as in body_fluxes. opened's areas are changed where shares are.
     """
-    numbers, volume = missing
+    numbers, volume = grown[0], grown[1].copy()
+    speeds = []
+    for one, place, U, middle in zip(shares, places, velocities, middles, strict=True):
+        r = np.column_stack([x[one.cells[:, e]] for e, x in enumerate(centres)]) - place
+        speeds.append(wall_speeds(r, U, middle))
+        own = np.ravel_multi_index(tuple(one.cells.T.astype(np.int64)), opened.V.shape)
+        volume[np.searchsorted(numbers, own)] -= dt * (wall_areas(one, grid) * speeds[-1]).sum(axis=1)
     out = list(shares)
-    for b, (one, place, U) in enumerate(zip(shares, places, velocities, strict=True)):
+    for b, one in enumerate(shares):
         own = np.ravel_multi_index(tuple(one.cells.T.astype(np.int64)), opened.V.shape)
         found = np.searchsorted(numbers, own)
         r, faces = volume[found], one.faces.copy()
         for d, A in enumerate(opened[1:]):
-            _mend(d, A, one.cells, own, faces, r, grid, centres, place, U, dt)
+            _mend(d, A, one.cells, own, faces, r, grid, dt * speeds[b][:, d])
         volume[found] = r
         if not np.array_equal(faces, one.faces):
             out[b] = one._replace(faces=faces)
     return out
 
 
+def wall_speeds(r: np.ndarray, U: np.ndarray, middle: np.ndarray | None) -> np.ndarray:
+    """(n, 3) [length/time] with which a body's wall goes at r (n, 3) from B, without turns that move nothing: of balls,
+    and of bodies of revolution about their axis. U (6,), middle as in body_fluxes."""
+    v, w = U[:3], U[3:]
+    if middle is None:
+        return v + np.cross(w, r)
+    if middle.ndim == 1:
+        return np.broadcast_to(v + np.cross(w, middle), r.shape)
+    point, axis = middle
+    return v + np.cross(w, r) - (w @ axis) * np.cross(axis, r - point)
+
+
 def _mend(
     d: int, A: np.ndarray, cells: np.ndarray, own: np.ndarray, faces: np.ndarray, r: np.ndarray, grid: Grid,
-    centres: Sequence[np.ndarray], place: np.ndarray, U: np.ndarray, dt: float,
+    way: np.ndarray,
 ) -> None:  # fmt: skip
-    """Along d, of one body: faces (n, 6), r (n,) [length3] of its cells and the areas A are changed."""
+    """Along d, of one body: faces (n, 6), r (n,) [length3] of its cells and the areas A are changed. way (n,) [length]
+    of the wall in the step."""
     if not len(own):
         return
     step = A.strides[d] // A.itemsize
@@ -67,9 +87,8 @@ def _mend(
     low = np.flatnonzero((own[upper] == own + step) & (np.abs(r) > AMISS * volumes) & (r * r[upper] < 0.0))
     if not len(low):
         return
-    high, (e, f) = upper[low], ((d + 1) % 3, (d + 2) % 3)
-    arm = np.column_stack([x[cells[low, k]] for k, x in enumerate(centres)]) - place
-    swept = dt * (U[d] + U[3 + e] * arm[:, f] - U[3 + f] * arm[:, e]) * volumes[low] / grid[d][cells[low, d]]
+    high = upper[low]
+    swept = way[low] * volumes[low] / grid[d][cells[low, d]]
     much = np.sign(r[low]) * np.minimum(np.abs(r[low]), np.abs(r[high]))
     flat, at = A.reshape(-1), own[low]
     change = np.divide(much, swept, out=np.zeros_like(much), where=np.abs(swept) > AMISS * volumes[low])

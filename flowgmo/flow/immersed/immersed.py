@@ -28,7 +28,7 @@ import numpy as np
 from flowgmo.flow.favor.covered_cells import cells_of, united
 from flowgmo.flow.favor.moving_openings import MovingOpenings
 from flowgmo.flow.favor.near_surface import Pose
-from flowgmo.flow.favor.shares import Shares, wall_areas
+from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, closed_sum
 from flowgmo.flow.immersed.crossings import mend_crossings
@@ -103,7 +103,9 @@ class Immersed:
         volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
         self.growth = (swept.V1 - swept.V0) * volumes
         if before is not swept:
-            self.shares = self._mended(swept.shares, places, velocities, dt)
+            grown = self._numbers(self.cells), self.growth
+            args = self.grid, self.centres, places, velocities, centres, dt
+            self.shares = mend_crossings(self.open, swept.shares, grown, *args)
         inside = self.covers.all_inside()
         self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
         self.closed = flow.F is None and (self.solved & self.no_exit | inside)
@@ -121,18 +123,6 @@ class Immersed:
             self.fluxes.append(body_fluxes(mine, covered, self.grid, self.centres, place, centre, surface))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
-
-    def _mended(
-        self, shares: Sequence[Shares], places: np.ndarray, velocities: np.ndarray, dt: float
-    ) -> Sequence[Shares]:
-        """The bodies' shares with the means of faces that they pass at once (crossings.py)."""
-        missing, numbers = self.growth.copy(), self._numbers(self.cells)
-        for one, place, U in zip(shares, places, velocities, strict=True):
-            a = wall_areas(one, self.grid)
-            r = np.column_stack([c[one.cells[:, e]] for e, c in enumerate(self.centres)]) - place
-            swept = a @ U[:3] + np.cross(r, a) @ U[3:]
-            missing[np.searchsorted(numbers, self._numbers(one.cells))] -= dt * swept
-        return mend_crossings(self.open, shares, (numbers, missing), self.grid, self.centres, places, velocities, dt)
 
     def _renew_at_mean(self) -> None:
         """Sort faces anew with the mean of the open volumes, as the areas are means: what is open of a cell must not
