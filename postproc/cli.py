@@ -120,13 +120,13 @@ def picture(results: Path, t: float | None, output: Path | None, view: str, size
 @output("slice.png")
 @told
 def slice_(results: Path, t: float | None, axis: str | None, position: float | None, output: Path | None) -> None:
-    """Draw fraction, pressure, and speed of the liquid in a plane, with the mesh beside solids."""
+    """Draw fraction, pressure, and speed of the liquid in a plane, bodies and solids, and the mesh beside them."""
     from postproc.slices import draw_slice
 
     if not results.is_dir():
         raise Told(f"there is no results folder {results}", 2)
     number = None if axis is None else "xyz".index(axis)
-    click.echo(draw_slice(results, output or results / "slice.png", t, number, position))
+    click.echo(draw_slice(results, output or results / "slice.png", t, number, position, notice))
 
 
 def _pixels(text: str) -> tuple[int, int]:
@@ -147,7 +147,7 @@ def report(results: Path, output: Path | None) -> None:
     """Draw the whole run in one figure.
 
     Pictures at a few times, the motion of up to six bodies, of four out of a crowd (or how they turn), energy or what a
-    drive must push, and the first impacts; of a liquid its surface, its gauges, its energy and volume.
+    drive must push, and the first impacts; of a liquid its surface, loads on the bodies, gauges, energy, volume.
     """
     from postproc.results import Results
 

@@ -128,19 +128,26 @@ def _energy(results: Results) -> Panel | None:
     kinetic + potential + lost in impacts + lost in friction - work put in = its value at the start + remainder
     """
     there = {name: results.curve(f"energy/{name}") for name in BOOKS if f"energy/{name}" in results.file}
+    if "potential" in there:
+        y = there["potential"].y
+        there["potential"] = replace(there["potential"], y=y - y[:1])
     largest = max((np.abs(curve.y).max(initial=0.0) for curve in there.values()), default=0.0)
     if largest == 0:
         return None
     seen = {name: curve for name, curve in there.items() if np.abs(curve.y).max() > THIN * largest}
     lines = [Line(BOOKS[name][0], c.t, c.y[:, 0], BOOKS[name][1], c.name) for name, c in seen.items()]
     first = next(iter(seen.values()))
-    if len(lines) > 1:
+    title = "Energy of bodies and liquid" if "fluid/volume" in results.file else "Energy"
+    missed = results.curve("energy/remainder") if "energy/remainder" in results.file else None
+    if missed is not None and np.abs(missed.y).max(initial=0.0) > THIN * largest:  # the sum, from its start
+        lines.append(Line("remainder", missed.t, missed.y[:, 0], INK, missed.name))
+    elif len(lines) > 1:
         rows = min(len(curve.t) for curve in there.values())
         total = sum(BOOKS[name][2] * curve.y[:rows, 0] for name, curve in there.items())
         worked = any(BOOKS[name][2] < 0 for name in seen)
         lines.append(Line("sum less work" if worked else "sum", first.t[:rows], total, INK, "energy/sum"))
     lines = [_jumping(line, results) for line in lines]
-    return Panel("Energy", "energy", first.unit, tuple(lines), False, _energy_note(results, lines, largest))
+    return Panel(title, "energy", first.unit, tuple(lines), False, _energy_note(results, lines, largest))
 
 
 def _energy_note(results: Results, lines: list[Line], largest: float) -> str:
@@ -150,6 +157,9 @@ def _energy_note(results: Results, lines: list[Line], largest: float) -> str:
     if "energy/remainder" in results.file:
         missed = np.abs(results.curve("energy/remainder").y).max(initial=0.0) / largest
         less = " − work" if any(BOOKS[name][2] < 0 for name in BOOKS if f"energy/{name}" in results.file) else ""
+        if "remainder" in texts:
+            note += [f"remainder: what the books miss, the change of kinetic + potential + lost{less}"]
+            return "Energy: " + "; ".join(note)
         to = f"but for {missed:.0e} of the largest" if missed else "exactly"
         note += [f"kinetic + potential + lost{less} stays the same {to}"]
     return "Energy: " + "; ".join(note) if note else ""

@@ -11,6 +11,7 @@ from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
 from postproc import style
+from postproc.body_panels import NOTE, body_panels
 from postproc.errors import WrongRequest
 from postproc.impacts import Hits, hits
 from postproc.liquid_panels import liquid_panels
@@ -25,8 +26,10 @@ ALL_BODIES, SOME_BODIES = 6, 4  # curves that an eye can follow; of a crowd, tho
 WIDTH = 13.0  # inches, of the page
 PLOTS = {0: 0.1, 1: 3.6, 2: 6.4, 3: 8.1}  # inches: height of so many plots above each other
 GAUGE = 2.3  # inches: height of a plot of the liquid
+SMALLS, SMALL = 3, 1.8  # small plots beside each other; inches: height of one
 LEFT, RIGHT = 1.5, 1.0  # widths of the plots and of the table
 BESIDE = 0.9  # inches beside the axes of a plot, for its numbers
+NUMBERS = 0.6  # inches beside a plot without a name of its values
 LONGEST = 24  # letters of a name in a legend
 
 
@@ -38,24 +41,27 @@ def report(results: Results, path: Path, notice: Callable[[str], None] = lambda 
     if len(names) < len(results.bodies):
         notice(f"curves of {len(names)} of {len(results.bodies)} bodies: {', '.join(names)}")
     shown, liquid = panels(results, names), liquid_panels(results)
+    loads = body_panels(results, names, shown)
     strip = draw_strip(results, names, WIDTH, notice)
     tall = strip.height(WIDTH)
     found = hits(results)
     plots = PLOTS[2 if len(found) else len(shown)]
-    heights = [tall, plots, max(GAUGE * len(liquid), PLOTS[0])]
+    small = max(SMALL * -(-len(loads) // SMALLS), PLOTS[0])
+    heights = [tall, plots, small, max(GAUGE * len(liquid), PLOTS[0])]
     figure = plt.figure(figsize=(WIDTH, 1.1 + sum(heights)), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, hspace=0.02, wspace=0.02)
     style.headline(figure, results.title, 16)
-    notes = [strip.caption(_length_unit(results)), *(panel.note for panel in (*shown, *liquid))]
+    notes = [strip.caption(_length_unit(results)), *(panel.note for panel in (*shown, *liquid)), NOTE * bool(loads)]
     style.footnote(figure, "\n".join(note for note in notes if note))
-    grid = figure.add_gridspec(3, 1, height_ratios=heights)
+    grid = figure.add_gridspec(4, 1, height_ratios=heights)
     place_strip(figure, grid[0], strip, results)
-    looks = _looks(shown, results.t)
+    looks = _looks([*shown, *loads], results.t)
     if len(found):
         _beside_table(figure, grid[1], results, shown, looks, found)
     else:
         _stacked(figure, grid[1], results, shown, looks)
-    _stacked(figure, grid[2], results, liquid, _looks(liquid, results.t))
+    _side_by_side(figure, grid[2], results, loads, looks[len(shown) :])
+    _stacked(figure, grid[3], results, liquid, _looks(liquid, results.t))
     return style.save(figure, path)
 
 
@@ -85,6 +91,25 @@ def _stacked(figure: plt.Figure, place: SubplotSpec, results: Results, shown: li
         style.fit_time(axes[-1], results.t[0], results.t[-1], results.time_unit)
 
 
+def _side_by_side(figure: plt.Figure, place: SubplotSpec, results: Results, shown: list[Panel], looks: list) -> None:
+    """Small panels in rows; bodies look as in the panels above, other curves have a legend."""
+    columns, told = max(1, min(SMALLS, len(shown))), []
+    cells = place.subgridspec(max(1, -(-len(shown) // columns)), columns)
+    for k, panel in enumerate(shown):
+        axes = figure.add_subplot(cells[k // columns, k % columns])
+        _draw_panel(axes, panel, looks[k])
+        axes.set_title(style.label(panel.title, panel.unit))
+        axes.set_ylabel("")
+        texts = [line.text for line in panel.lines]
+        if texts not in told and not set(texts) <= set(results.bodies):
+            style.legend_above(axes, WIDTH / columns - NUMBERS)
+        told.append(texts)
+        axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        last = k + columns >= len(shown)
+        style.fit_time(axes, results.t[0], results.t[-1], results.time_unit if last else None)
+        axes.tick_params(labelbottom=last)
+
+
 def _beside_table(
     figure: plt.Figure, place: SubplotSpec, results: Results, shown: list[Panel], looks: list, found: Hits
 ) -> None:
@@ -104,7 +129,7 @@ def _beside_table(
         if row == 0 or _needs_legend(shown, k, 0):
             style.legend_above(axes, width - BESIDE)
         axes.tick_params(labelbottom=row > 0)
-    draw_table(figure.add_subplot(right[0] if others else right[:]), results, WIDTH - width - BESIDE)
+    draw_table(figure.add_subplot(right[0] if others else right[:]), results, WIDTH - width - 1.2 * BESIDE)
     for k in others:
         axes = figure.add_subplot(right[1])
         _draw_panel(axes, shown[k], looks[k])

@@ -115,8 +115,12 @@ class Scene:
         if not self._start:
             return []
         if not self.has_history or (self.files and min(t, float(self.times[-1])) > self._last_row):
-            return _read_surfaces(self.files[int(np.abs(self.times - t).argmin())], self.names)
+            return self.snapshot(t)
         return [self._moved(surface, t) for surface in self._start]
+
+    def snapshot(self, t: float) -> list[Surface]:
+        """Surfaces of the snapshot nearest to a time, as they were written; [] without bodies."""
+        return _read_surfaces(self.files[int(np.abs(self.times - t).argmin())], self.names) if self.files else []
 
     def track(self, surface: Surface) -> tuple[np.ndarray, np.ndarray] | None:
         """Positions (n, 3) and orientations (n, 4; w x y z) of a body in the rows of the history; None without it."""

@@ -53,7 +53,8 @@ def draw_table(axes: plt.Axes, results: Results, width: float) -> None:
         colWidths=list(widths / widths.sum()),
     )
     drawn.auto_set_font_size(False)
-    drawn.set_fontsize(LETTERS * min(1.0, width / widths.sum()))
+    gaps = GAP * len(widths)
+    drawn.set_fontsize(LETTERS * min(1.0, (width - gaps) / (widths.sum() - gaps)))
     drawn.scale(1, min(1.5, 16.0 / (len(rows) + 1)))
     for (row, _), cell in drawn.get_celld().items():
         cell.set_edgecolor(INK if row == 0 else FAINT)

@@ -119,7 +119,7 @@ def _clean_up(found: Findings) -> CleanUp:
 
 
 def _check_open(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> None:
-    """Problem: one solid holds all eight corners of the domain, and being convex all of it.
+    """Problem: one body holds all eight corners of the domain, and being convex all of it.
 
     What several solids fill together is found when the open fractions are made.
     """
@@ -127,10 +127,11 @@ def _check_open(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> None:
     corners = [[(lo, hi)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)]
     for body in bodies:
         convex = body.shape.as_sphere() is not None or len(body.shape.as_boxes() or ()) == 1
-        if body.kind == SOLID and convex and (body.shape.distance(corners) <= 0.0).all():
+        if convex and (body.shape.distance(corners) <= 0.0).all():
+            at_start = "" if body.kind == SOLID else " at the start"
             found.problem(
                 "OBSID" if found.deck.given("OBSID", body.number) else "NOBS",
                 *((body.number,) if found.deck.given("OBSID", body.number) else ()),
-                wrong=f"{body.name} fills the whole mesh, there is no room for liquid",
+                wrong=f"{body.name} fills the whole mesh{at_start}, there is no room for liquid",
                 write="Check its limits, or the mesh planes",
             )  # fmt: skip

@@ -1,10 +1,10 @@
-"""What of bodies that move in liquid the mesh does not see: notices, none of which stops a run."""
+"""What of bodies that move in liquid a user may not expect: notices, none of which stops a run."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.bodies.body import COUPLED, Body
+from flowgmo.bodies.body import COUPLED, FIXED_AXIS, FIXED_POINT, SOLID, Body
 from flowgmo.building.findings import Findings
 from flowgmo.mesh import Mesh
 
@@ -12,17 +12,22 @@ SAMPLES = 16000  # points of a body's box; 10 ms for a few primitives. Volumes a
 WALLS = 600  # of its points beside the surface, for thicknesses
 STEPS = 8  # along which a wall is looked through
 FEW = 0.05  # of the surface: beside edges any body is thin
+OVERLAP = 1e-3  # of a body's volume; a few of its points
 BEYOND = 1e-9  # of a body's size: what reaches out by less touches a side of the domain
 
 
 def check_wet_bodies(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> None:
-    """Notices: bodies that reach outside the domain, and those that are thinner than two cells."""
+    """Notices: bodies that reach outside the domain, overlap others, and those that are thinner than two cells."""
+    boxes = np.array([body.shape.bounds() for body in bodies]).reshape(-1, 2, 3)
     for body in bodies:
         if not body.moves:
             continue
         points, inside = _points(body, mesh)
         if body.kind == COUPLED:
             _check_reach(found, body, mesh, points, inside)
+            low, high = boxes[body.number - 1]
+            near = np.flatnonzero(((boxes[:, 0] < high) & (boxes[:, 1] > low)).all(axis=1))
+            _check_overlaps(found, body, [bodies[k] for k in near], points[inside])
         _check_thickness(found, body, mesh, points[inside])
 
 
@@ -58,6 +63,32 @@ def _check_reach(found: Findings, body: Body, mesh: Mesh, points: np.ndarray, in
         f"{whole * seen.sum() / inside.sum():.3g} of its volume of about {whole:.3g}; its mass is that of all of it",
         write="End it at the sides, or give its mass as a whole",
     )  # fmt: skip
+
+
+def _check_overlaps(found: Findings, body: Body, bodies: list[Body], points: np.ndarray) -> None:
+    """A coupled body and others that share its place at the start (points, n x 3, in it) and do not collide with it.
+
+    Those that would collide are a problem (building/contacts.py), a hinge in a solid has a notice there.
+    """
+    deck = found.deck
+    for other in bodies:
+        collides = deck["ICLID"] == 1 and deck.at("ICLIDOB", body.number, other.number) == 1
+        collides &= deck["ICLID"] == 1 and deck.at("ICLIDOB", other.number, body.number) == 1
+        hinge = other.kind == SOLID and body.constraint in (FIXED_AXIS, FIXED_POINT)
+        twice = other.kind == COUPLED and other.number <= body.number
+        if collides or hinge or twice or not len(points):
+            continue
+        low, high = other.shape.bounds()
+        near = points[((points >= low) & (points <= high)).all(axis=1)]
+        share = (other.shape.distance(near) < 0.0).sum() / len(points) if len(near) else 0.0
+        if share > OVERLAP:
+            collide = "iclid=1" if deck["ICLID"] != 1 else f"iclidob({body.number},{other.number})=1"
+            found.notice(
+                *_place(found, body),
+                wrong=f"about {share:.2g} of {body.name} is inside {other.name} at the start: they do not collide and "
+                "move through each other, and liquid acts only on what is outside of both",
+                write=f"Move one of them and write {collide}, if that is not meant",
+            )  # fmt: skip
 
 
 def _check_thickness(found: Findings, body: Body, mesh: Mesh, points: np.ndarray) -> None:

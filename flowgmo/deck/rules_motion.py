@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from .deck import Deck
 from .errors import DeckError, Notice, Problem
 from .rules_bodies import components
+from .series import Series
 
 SHIFTS, TURNS = ("U", "V", "W"), ("OMX", "OMY", "OMZ")
 FLAGS = ("IUMCAL", "IVMCAL", "IWMCAL", "IOMXCAL", "IOMYCAL", "IOMZCAL")
@@ -117,6 +118,16 @@ def velocities(deck: Deck) -> Finding:
             elif motion == 4 and deck.at(flag, m) and len(table.y) > 1:
                 wrong = f"only the first value has an effect, the initial one; {flag.lower()}({m})=0 makes it a table"
                 yield deck.notice(*element, wrong=wrong)
+            elif len(table.y) > 1 and not deck.at(f"I{name[:-4]}PRE", m):
+                yield from _ends_early(deck, table, element)
+
+
+def _ends_early(deck: Deck, table: Series, element: tuple) -> Finding:
+    """A table that ends before the run does, with a speed that goes on."""
+    if table.y[-1] and table.t[-1] < deck["TWFIN"]:
+        wrong = f"the table ends at t = {table.t[-1]:g}, before twfin={deck['TWFIN']:g}"
+        then = f"the last value, {table.y[-1]:g}, holds from there on"
+        yield deck.notice(*element, wrong=f"{wrong}: {then}", write="Give times up to twfin, or a last value 0")
 
 
 def sinusoids(deck: Deck) -> Finding:

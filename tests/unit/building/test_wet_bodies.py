@@ -31,6 +31,33 @@ def test_notice(obs: str, part: str) -> None:
     assert len(found) == 1 and part in found[0], found
 
 
+TWO = BALL.replace("nobs=1", "nobs=2") + INSIDE
+BESIDE = "iob(2)=2, rsh(2)=.3, trnx(2)=1.3, trny(2)=.5, trnz(2)=.6,"
+CUT = "about 0.31 of ball is inside obs2 at the start: they do not collide"  # 5/16 of a ball are in one a radius away
+
+
+@pytest.mark.parametrize(
+    ("other", "xput"),
+    [
+        ("imo(2)=4, rhomvb(2)=500.,", ""),
+        ("imo(2)=3,", ""),
+        ("imo(2)=0,", ""),
+        ("imo(2)=0,", "iclid=1,"),
+    ],
+)
+def test_bodies_that_overlap_and_do_not_collide(other: str, xput: str) -> None:
+    """Two coupled ones have one notice between them; pairs that collide have a problem of their own."""
+    obs = TWO + BESIDE + other + ("iclidob(1,2)=0," if xput else "")
+    model = build_model(parse_deck(wet(xput=FREE + "imobs=1," + xput, obs=obs), Path("t.nml")))
+    assert len(model.notices) == 1 and CUT in model.notices[0], model.notices
+    apart = obs.replace("trnx(2)=1.3", "trnx(2)=1.61")
+    assert build_model(parse_deck(wet(xput=FREE + "imobs=1," + xput, obs=apart), Path("t.nml"))).notices == ()
+
+
+def test_a_hinge_in_a_solid_is_no_overlap() -> None:
+    assert not [n for n in notices(TWO + BESIDE + "imo(2)=0, imoaxs(1)=2,") if "inside obs2" in n]
+
+
 @pytest.mark.parametrize("obs", [BALL + INSIDE, BALL.replace("imo(1)=4", "imo(1)=3") + "trnz(1)=.6, trny(1)=.5,"])
 def test_silent(obs: str) -> None:
     """A ball of six cells across inside, and a prescribed one that enters through a side."""

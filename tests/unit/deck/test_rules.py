@@ -106,6 +106,11 @@ NOTICES = [
     ({"more": "imoaxs(1)=2, omxtobs(1,1)=1."}, "omxtobs(1,1)=1.0", "cannot move that way"),
     ({"more": "imoaxs(1)=4, utobs(1,1)=1."}, "utobs(1,1)=1.0", "cannot move that way"),
     ({"more": "tobs(2)=1., utobs(1,1)=1.,2."}, "utobs(1,1)=1.0", "iumcal(1)=0 makes it a table"),
+    (
+        {"more": "tobs(2)=.1, utobs(1,1)=1.,2., iumcal(1)=0"},
+        "utobs(1,1)=1.0",
+        "the table ends at t = 0.1, before twfin",
+    ),
     ({"add_xput": "ifvof=5"}, "ifvof=5", "taken as ifvof=6"),
     ({"add_xput": "ifvof=3"}, "ifvof=3", "taken as ifvof=4"),
     ({"obs": WHOLE + TENSOR.replace("3)=1.", "3)=3.")}, "tjmvb(1,1,1)=1.0", "no body has such a tensor"),
@@ -126,6 +131,7 @@ SILENT = [
     {"obs": FREE + "rhosub(1)=3."},
     {"mesh": "px=0.,1.,3., nxcell=3,4, nxcelt=7, size=.1"},
     {"more": "tobs(2)=1., utobs(1,1)=1.,2., iumcal(1)=0"},
+    {"more": "tobs(2)=.1, utobs(1,1)=1.,0., iumcal(1)=0"},
     {"flowgmo": "impact='euler', dpfrac=.02, search='grid', multiple='sequential', hertz=1., resting='micro'"},
     {"add_xput": "tedit(1)=0, teditdt(1)=0.0, tdtmax(1)=0.0001"},
 ]

@@ -1,6 +1,7 @@
 """A run with a liquid: its surface in pictures, slices, the panels of a report."""
 
 import importlib.util
+import shutil
 from pathlib import Path
 
 import h5py
@@ -78,6 +79,22 @@ def test_a_slice_is_drawn(tank, tmp_path):
         assert result.exit_code == 0, result.output
         image = imread(tmp_path / "s.png")
         assert blue(image) > 0.03 and WATER.startswith("#")
+
+
+def test_a_slice_shows_solids_as_they_are_and_without_surfaces_as_cells(tank, tmp_path):
+    """The rock ends amid cells: more grey with its outline than with the cells that are all solid."""
+    bare = tmp_path / "bare"
+    bare.mkdir()
+    shutil.copy(tank / "fields.h5", bare)
+    shares = []
+    for folder in (tank, bare):
+        said = []
+        image = imread(draw_slice(folder, tmp_path / "s.png", 0.5, 1, 0.41, said.append))
+        shares.append(float((np.abs(image[..., :3] - [0.765, 0.784, 0.812]).max(axis=2) < 0.01).mean()))
+        assert said == []
+    assert 0.01 < shares[1] < shares[0]
+    draw_slice(tank, tmp_path / "s.png", 0.37, None, None, said.append)
+    assert "the nearest to 0.37 is" in said[0] and "TPLTD" in said[0]
 
 
 def test_what_cannot_be_sliced_is_told(tank, anvil, tmp_path):
