@@ -13,6 +13,7 @@ from flowgmo.building.effects import list_effects
 from flowgmo.building.findings import Findings
 from flowgmo.building.fluid import build_fluid
 from flowgmo.building.times import build_clock, build_output
+from flowgmo.building.wet_bodies import with_least_mass
 from flowgmo.deck import Deck, DeckError
 from flowgmo.model import Model
 
@@ -31,6 +32,7 @@ def build_model(deck: Deck, folder: Path | None = None) -> Model:
     bodies = tuple(build_body(found, m, mesh.bounds) for m in range(1, int(deck["NOBS"]) + 1))
     if found.problems:
         raise DeckError(found.problems, found.notices)
+    bodies = with_least_mass(found, bodies)
     contacts = build_contacts(found, bodies, mesh)
     fluid = build_fluid(found, mesh, bodies)
     if found.problems:

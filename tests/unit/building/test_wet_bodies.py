@@ -62,3 +62,20 @@ def test_a_hinge_in_a_solid_is_no_overlap() -> None:
 def test_silent(obs: str) -> None:
     """A ball of six cells across inside, and a prescribed one that enters through a side."""
     assert notices(obs) == ()
+
+
+def test_featherweights_count_as_a_ten_thousandth() -> None:
+    """Mass and moments together, with a notice; heavier ones and tanks without a surface are as the deck says."""
+    light = BALL.replace("rhomvb(1)=500.", "rhomvb(1)=1e-3") + INSIDE
+    model = build_model(parse_deck(wet(xput=FREE + "imobs=1,", obs=light), Path("t.nml")))
+    (notice,) = model.notices
+    assert "ball has 1e-06 of the mass of as much liquid" in notice and "as if it had 0.0001" in notice
+    (body,) = model.bodies
+    volume = 4.0 / 3.0 * 3.141592653589793 * 0.3**3
+    assert body.mass.mass == pytest.approx(0.1 * volume, rel=1e-9)
+    assert body.mass.inertia[0, 0] == pytest.approx(0.4 * 0.1 * volume * 0.3**2, rel=1e-9)
+    heavier = build_model(parse_deck(wet(xput=FREE + "imobs=1,", obs=light.replace("1e-3", ".2")), Path("t.nml")))
+    assert heavier.notices == () and heavier.bodies[0].mass.mass == pytest.approx(0.2 * volume, rel=1e-9)
+    tank = wet(xput=FREE.replace("itb=1", "itb=0") + "imobs=1,", obs=light, fl="")
+    full = build_model(parse_deck(tank, Path("t.nml")))
+    assert full.bodies[0].mass.mass == pytest.approx(1e-3 * volume, rel=1e-9)
