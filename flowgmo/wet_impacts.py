@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body that was hit may not end a step
 FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
 AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
+CLOSE = 0.995  # a step that should be this share of itself, or more, ends where it should: else tries had no end
 LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
-WORTH = 0.99  # of a step: it ends with the impact already; to shorten it by less, again and again, would have no end
 SHORTEST = 0.05  # of a step that nothing has shortened: shorter ones are not cut again for an impact
 
 
@@ -63,22 +63,21 @@ class WetImpacts:
         """Raise StepTooLong where a body will be hit within the step, and led astray: the step should end with it.
 
         It would be tried again in any case (check_ways), and where the body is expected beyond what it hits, the volume
-        that it takes there is missing elsewhere.
+        that it takes there is missing elsewhere. How far astray follows from the speed with which the two approach: a
+        stone that slides along its bed, and is hit by every bump, goes on.
         """
         of, dt = self.bodies, t1 - state.t
         if world.collisions is None or dt <= SHORTEST * of.liquid.projector.ease:
             return
-        from flowgmo.collision.stage import first_meeting
+        from flowgmo.collision.stage import meetings
 
-        hit, pairs = first_meeting(world, state, motion, of.coupled, t1)
-        if not hit < t1:
-            return
-        bodies = [b for b in np.unique(pairs) if b in of.place]
         speeds = of.speeds(motion["v"], motion["w"])
-        off = 2.0 * sum(speeds[of.place[b]] for b in bodies) * (t1 - hit) / of.cell
-        share = max(AFTER * (hit - state.t) / dt, LEAST)
-        if off > ASTRAY and share < WORTH:
-            raise StepTooLong(f"body {of.names[of.place[bodies[0]]]} will be hit in the step", share)
+        for hit, pairs, approach in meetings(world, state, motion, of.coupled, t1):
+            bodies = [b for b in np.unique(pairs) if b in of.place]
+            most = min(approach, sum(speeds[of.place[b]] for b in bodies))
+            share = max(AFTER * (hit - state.t) / dt, LEAST)
+            if 2.0 * most * (t1 - hit) / of.cell > ASTRAY and share < CLOSE:
+                raise StepTooLong(f"body {of.names[of.place[bodies[0]]]} will be hit in the step", share)
 
     def check_ways(
         self, before: np.ndarray, after: np.ndarray, impacts: list[np.ndarray], t0: float, t1: float
@@ -101,9 +100,9 @@ class WetImpacts:
             if off <= ASTRAY and not pushed:
                 continue
             share = max(AFTER * (hit - t0) / dt, LEAST)
-            if share < WORTH or off > FAR:
+            if share < CLOSE or off > FAR:
                 text = f"contacts lead body {of.names[k]} {off:.3g} of a cell away from its way"
-                raise StepTooLong(text, share if share < WORTH else None)
+                raise StepTooLong(text, share if share < CLOSE else None)
 
     def settle(self, flow: object, motion: np.ndarray, owed: np.ndarray) -> None:
         """The liquid gets what impacts owe it, owed (n, 6), which is then nothing: velocities of liquid and bodies,

@@ -15,9 +15,11 @@ one that approaches is an impact, one that was there before is a constraint.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from flowgmo.collision.arena import Arena, joined
+from flowgmo.collision.arena import Arena, dots, joined
 from flowgmo.collision.correct import Corrector
 from flowgmo.collision.crowd import SHALLOW, Crowd
 from flowgmo.collision.gather import mark_joined, no_contacts
@@ -100,15 +102,35 @@ class Engine:
         room.motion[movers] = self.arena.motion[movers]
         room.books += self.books
 
-    def first_meeting(self, coasting: np.ndarray, motion: np.ndarray, t0: float, t1: float) -> tuple[float, np.ndarray]:
-        """Time (inf: none before t1) and pairs (k, 2) of the first touch that is none of self.held, if the bodies
-        `coasting` (rows) go on with their velocities of motion (n,) POSE at t0. Nothing is changed but the paths."""
+    def meetings(
+        self, coasting: np.ndarray, motion: np.ndarray, t0: float, t1: float
+    ) -> Iterator[tuple[float, np.ndarray, float]]:
+        """Times before t1, in order, pairs (k, 2), and speeds of approach [length/time] of touches that are none of
+        self.held, if the bodies `coasting` (rows) go on with their velocities of motion (n,) POSE at t0: of each pair
+        the first. Nothing is changed but the paths."""
         arena = self.arena
         arena.load(motion, t0)
         arena.paths["mode"][coasting] = HELD
         self.watch.start(self.held, t0, t1, arena.wakeful)
         self.watch.forget(np.stack([self.held["a"], self.held["b"]], axis=1))
-        return self.watch.next()
+        while True:
+            t, pairs = self.watch.next()
+            if not t < t1:
+                return
+            yield t, pairs, self._approach(t, pairs)
+            self.watch.forget(pairs)
+
+    def _approach(self, t: float, pairs: np.ndarray) -> float:
+        """The largest speed [length/time] with which pairs (k, 2) that meet at t approach there; inf where they are not
+        found to touch."""
+        rows = self.arena.motion.copy()
+        rows[self.arena.movers], _ = self.arena.poses(t)
+        contacts = self.watch.touching_now(self.held[:0], pairs, rows)
+        if not len(contacts):
+            return np.inf
+        at = [rows[contacts[side]] for side in "ab"]
+        v, other = (x["v"] + np.cross(x["w"], contacts["point"] - x["p"]) for x in at)
+        return max(float(dots(other - v, contacts["normal"]).max()), 0.0)
 
     def _leg(self, now: float, t1: float) -> float:
         """One leg from now; returns its end, at which all bodies stand."""

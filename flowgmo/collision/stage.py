@@ -6,6 +6,8 @@ they do not know, the step is done again by the contact engine, which goes on fr
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from flowgmo.bodies.laws import Laws
@@ -85,15 +87,15 @@ def move_colliding(world: World, state: State, t1: float, room: Room) -> None:
     room.held = (*_parts_of(engine.held), *engine.sleep.store(), engine.busy)
 
 
-def first_meeting(
+def meetings(
     world: World, state: State, motion: np.ndarray, coasting: np.ndarray, t1: float
-) -> tuple[float, np.ndarray]:
-    """See Engine.first_meeting; inf where contacts are not located in time."""
+) -> Iterator[tuple[float, np.ndarray, float]]:
+    """See Engine.meetings; none where contacts are not located in time."""
     engine = world.collisions.engine
     if not getattr(engine, "watch", None) or not engine.watch.located:
-        return np.inf, np.zeros((0, 2), np.int64)
+        return iter(())
     engine.held = _held_of(state)
-    return engine.first_meeting(coasting, motion, state.t, t1)
+    return engine.meetings(coasting, motion, state.t, t1)
 
 
 def _held_of(state: State) -> np.ndarray:

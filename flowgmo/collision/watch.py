@@ -58,10 +58,10 @@ class Watch:
         new = found[found["fresh"] == 1]
         return self._gather(pairs, held, np.stack([new["a"], new["b"]], 1)) if len(new) else found
 
-    def touching_now(self, held: np.ndarray, met: np.ndarray) -> np.ndarray:
-        """Contacts of the pairs in `held` and of the pairs met (k, 2)."""
+    def touching_now(self, held: np.ndarray, met: np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
+        """Contacts of the pairs in `held` and of the pairs met (k, 2); rows (n+6,) of POSE: where not arena.motion."""
         pairs = np.concatenate([np.stack([held["a"], held["b"]], 1), met])
-        return self._gather(self._once(pairs), held, met, slack=SLACK)
+        return self._gather(self._once(pairs), held, met, slack=SLACK, rows=rows)
 
     def again(self, contacts: np.ndarray, rows: np.ndarray, wider: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """The same contacts (m,) with the parties at rows (n+6,) of POSE: those found (k,), their places in m (k,).

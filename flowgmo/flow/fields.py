@@ -39,7 +39,8 @@ class Flow:
     u, v, w [length/time] on faces, p [mass/length/time2] in cells, relative to the void; F [-] in cells. Arrays of
     shape (nx + 4, ny + 4, nz + 4), None where absent: v for one cell in y, F without a free surface.
     p_before, of mesh size: p of the step before the last one, for the first guess of the next; None at the start.
-    dt [time]: the length of the last step.
+    dt [time]: the length of the last step; pace [time]: how long it might have been but for an impact that cut it
+    short, which the next one may grow from. 0 at the start.
     start_volume [length3] of liquid at t = 0, start_energy its kinetic and potential energy; passed (6,) [length3]:
     liquid that came in through each side since.
     """
@@ -54,6 +55,7 @@ class Flow:
     start_energy: float = 0.0
     passed: np.ndarray = field(default_factory=lambda: np.zeros(6))
     p_before: np.ndarray | None = None
+    pace: float = 0.0
 
     @property
     def velocity(self) -> list[np.ndarray | None]:

@@ -80,6 +80,8 @@ class Liquid:
         self.near = self.faces = self.about = all_columns(self.shape)
         self._found = None  # the fraction whose columns these are, until the next one is stored
         self.immersed: Immersed | None = None  # bodies that move in the liquid
+        self.regains = self.momentum.operators is None  # steps go on from what was allowed before an impact cut one:
+        # not with viscosity, where friction and films are guessed from the pressure of the last step
         self.limiting = ""
         self.courant = 0.0  # of the step just made
         self.tally = Tally()
@@ -123,7 +125,7 @@ class Liquid:
         if flow.F is not None:
             flow.F, self.F = self.F, flow.F
             flow.passed = flow.passed + self.entered
-        flow.dt = dt
+        flow.dt = flow.pace = dt
         if self.immersed is not None:
             self.immersed.settle()
 
@@ -140,7 +142,7 @@ class Liquid:
             "flow" if carried <= spread else "viscosity": least / (1.0 + least / other) if least < np.inf else np.inf,
             "surface": plan.steps.surface_courant * self.surface_limit,
             "bodies": bodies,
-            "growth": flow.dt * plan.steps.growth if flow.dt > 0.0 else start,
+            "growth": flow.pace * plan.steps.growth if flow.pace > 0.0 else start,
         }
         self.limiting = min(limits, key=limits.get)
         if self.immersed is not None:  # a step cut short by a blow must not drive out at its pace what the blow left

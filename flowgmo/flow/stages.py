@@ -27,6 +27,7 @@ from flowgmo.flow.surface.surface_tracking import move_liquid as carry_liquid
 from flowgmo.flow.time_step import MOST_COURANT, courant_rate
 
 REST = 1e-11  # share of a cell for the pressure at the start: still water must stay still
+AGED = 2.5  # lengths of the last step: in longer ones its pressure is no measure (momentum/prediction.py); a choice
 TOLERANCE = 1e-6  # share of a cell that its faces may miss within a step, times EPSADJ (DESIGN 4)
 
 
@@ -49,7 +50,7 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     if flow.F is not None:
         liquid.sides.tighten(old)
     _advance(liquid, old, flow.F, 1.0, dt, new)
-    if liquid.plan.order == 1:
+    if liquid.plan.order == 1 or dt > AGED * flow.dt > 0.0:
         liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
         return
     push_by_last_pressure(liquid.projector, flow.p, dt, new)

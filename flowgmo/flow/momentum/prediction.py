@@ -4,6 +4,12 @@
 
     u1 = u + dt (a(u) - grad p / rho)           p of the last step: u1 fits the walls up to dt2
     u* = u + dt (a(u) + a(u1)) / 2
+
+A step that an impact has cut short is no measure of the pressure: what moving walls ask of the liquid changes from one
+step to the next by a part of u (the means of the open fractions are others), however short the step, and p = rho q / dt
+is as much larger. Where the next step is long again, u1 would gain that part dt / (last dt) times: 128 m/s in liquid of
+3.5 m/s (five bodies dropped into a tank, a step of 3.5 ms after one of 33 us), and u* crosses 28 cells where one stage
+crosses .43. So steps more than AGED (stages.py) times as long as the last one have one stage.
 """
 
 from __future__ import annotations
