@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 from flowgmo_wet_bodies import begin
 
+from flowgmo.flow.favor.shares import Shares
+from flowgmo.flow.fields import Grid, Open
+from flowgmo.flow.immersed.crossings import mend_crossings
 from flowgmo.pace import Pace
 
 STREAM = """ a box drifts with a stream
  &xput
-  twfin=1., delt={dt}, tdtmax(1)={dt}, itb=0, imobs=1, {more}
+  twfin=1., delt={dt}, tdtmax(1)={dt}, itb=1, imobs=1,
  /
  &limits
  /
@@ -23,10 +26,10 @@ STREAM = """ a box drifts with a stream
  /
  &obs
   nobs=1,
-  obsid(1)='box', imo(1)={imo}, rhomvb(1)=1000., iob(1)=1, {shape} {moves}
+  obsid(1)='box', imo(1)=3, rhomvb(1)=1000., iob(1)=1, {shape} utobs(1,1)=1.,
  /
  &fl
-  ui=1.,
+  ui=1., flht=.4,
  /
 """
 PLUG = "xl(1)=.133, xh(1)=.317, yl(1)=0., yh(1)=.4, zl(1)=0., zh(1)=.4,"
@@ -34,7 +37,7 @@ BOX = "xl(1)=.133, xh(1)=.317, yl(1)=.11, yh(1)=.29, zl(1)=.07, zh(1)=.33,"
 
 
 def drift(text, steps):
-    """Largest difference of the liquid's velocity from that of the stream in so many steps, on open faces; world."""
+    """Largest difference of the liquid's velocity from that of the stream in so many steps, on open faces."""
     world, state = begin(text)
     pace, worst = Pace(world.model, state), 0.0
     for _ in range(steps):
@@ -42,14 +45,34 @@ def drift(text, steps):
         for u, A, stream in zip(state.fluid.velocity, world.liquid.openings[1:], (1.0, 0.0, 0.0), strict=True):
             inside = (slice(2, -2),) * 3
             worst = max(worst, float(np.abs(u - stream)[inside][A[inside] > 0.01].max()))
-    return worst, state
+    return worst
 
 
-@pytest.mark.parametrize("shape", [PLUG, BOX], ids=["plug", "box"])
-@pytest.mark.parametrize("dt", [0.007, 0.0173])
-def test_flat_box_drifts_with_a_stream(shape, dt):
-    # Steps of .14 and .35 cells. Measured: 1e-9 to 2e-3; with the mean of three poses alone 1.3 to 5 m/s, where the
-    # wall has passed a face just before or after one of them.
-    moves = "utobs(1,1)=1., tobs(1,1)=0.," if False else "utobs(1,1)=1.,"
-    worst, _ = drift(STREAM.format(dt=dt, imo=3, shape=shape, moves=moves, more=""), 12)
-    assert worst <= 0.01
+@pytest.mark.parametrize("dt", [0.007, 0.011, 0.0173])
+@pytest.mark.parametrize(("shape", "bound"), [(PLUG, 1e-5), (BOX, 0.05)], ids=["plug", "box"])
+def test_flat_box_drifts_with_a_stream(shape, bound, dt):
+    # Steps of .14, .22 and .35 cells. Measured: plug 4e-15 to 4e-7, box .015 to .024, what AMISS leaves at its edges.
+    # With the mean of three poses alone .18 to 1.6 m/s where a wall passes a face between two of them.
+    assert drift(STREAM.format(dt=dt, shape=shape), 12) <= bound
+
+
+def test_volumes_say_when_a_wall_passes():
+    """A wall passes the face between two cells after .3 of a step: open for .7 of it, where three poses say 5/6."""
+    cells = np.array([[3, 3, 3], [4, 3, 3]], np.int32)
+    faces = np.zeros((2, 6))
+    faces[:, 2:] = 0.9
+    faces[1, 1] = 1.0
+    faces[0, 1] = faces[1, 0] = 1.0 / 6.0
+    widths = np.full(8, 0.1)
+    grid = Grid(widths, widths, widths, widths, widths, widths)
+    opened = Open(*(np.ones((8, 8, 8)) for _ in range(4)))
+    opened.Ax[3, 3, 3] = 5.0 / 6.0
+    numbers = np.ravel_multi_index(tuple(cells.T), (8, 8, 8))
+    grown = numbers, 1e-3 * np.array([0.3 * 0.2, 0.7 * 0.2])
+    centres = [0.1 * np.arange(8)] * 3
+    args = centres, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]), [None], 0.02
+    (mended,) = mend_crossings(opened, [Shares(cells, faces)], grown, grid, *args)
+    assert mended.faces[0, 1] == pytest.approx(0.3, abs=1e-12)
+    assert mended.faces[1, 0] == pytest.approx(0.3, abs=1e-12)
+    assert opened.Ax[3, 3, 3] == pytest.approx(0.7, abs=1e-12)
+    assert np.array_equal(mended.faces[:, 2:], faces[:, 2:])
