@@ -28,18 +28,21 @@ import numpy as np
 from flowgmo.flow.favor.shares import Shares, wall_areas
 from flowgmo.flow.fields import Grid, Open
 
-AMISS = 0.01  # of a cell: less is what the mean of three leaves of walls that pass gradually (balls: up to 5e-3)
+AMISS = 0.03  # of what a wall sweeps in a cell: less is what the mean of three leaves of walls that pass gradually
+JUMP = 0.01  # of a face: those whose openings hardly change in the step are not passed by a wall
+SLOW = 1e-9  # of a cell: walls that move less within a step stand still
 
 
 def mend_crossings(
-    opened: Open, shares: Sequence[Shares], grown: tuple[np.ndarray, np.ndarray], grid: Grid,
+    opened: Open, now: Open, shares: Sequence[Shares], grown: tuple[np.ndarray, np.ndarray], grid: Grid,
     centres: Sequence[np.ndarray], places: np.ndarray, velocities: np.ndarray, middles: Sequence[np.ndarray | None],
     dt: float,
 ) -> list[Shares]:  # fmt: skip
     """The bodies' shares of faces, and the openings in `opened`, with r = 0 where walls pass faces at once.
 
+    opened: means of the step, whose areas are changed where shares are; now: at its start;
     grown: numbers (n,) of cells, ascending, and V1 - V0 of each (n,) [length3]; B at places (b, 3), velocities (b, 6);
-    centres of cells, middles of bodies: as in body_fluxes. opened's areas are changed where shares are.
+    centres of cells, middles of bodies: as in body_fluxes.
     """
     numbers, volume = grown[0], grown[1].copy()
     speeds = []
@@ -54,7 +57,7 @@ def mend_crossings(
         found = np.searchsorted(numbers, own)
         r, faces = volume[found], one.faces.copy()
         for d, A in enumerate(opened[1:]):
-            _mend(d, A, one.cells, own, faces, r, grid, dt * speeds[b][:, d])
+            _mend(d, A, now[1 + d], one.cells, own, faces, r, grid, dt * speeds[b][:, d])
         volume[found] = r
         if not np.array_equal(faces, one.faces):
             out[b] = one._replace(faces=faces)
@@ -74,8 +77,8 @@ def wall_speeds(r: np.ndarray, U: np.ndarray, middle: np.ndarray | None) -> np.n
 
 
 def _mend(
-    d: int, A: np.ndarray, cells: np.ndarray, own: np.ndarray, faces: np.ndarray, r: np.ndarray, grid: Grid,
-    way: np.ndarray,
+    d: int, A: np.ndarray, before: np.ndarray, cells: np.ndarray, own: np.ndarray, faces: np.ndarray, r: np.ndarray,
+    grid: Grid, way: np.ndarray,
 ) -> None:  # fmt: skip
     """Along d, of one body: faces (n, 6), r (n,) [length3] of its cells and the areas A are changed. way (n,) [length]
     of the wall in the step."""
@@ -84,15 +87,16 @@ def _mend(
     step = A.strides[d] // A.itemsize
     upper = np.searchsorted(own, own + step).clip(0, len(own) - 1)
     volumes = np.prod([w[cells[:, e]] for e, w in enumerate(grid[:3])], axis=0)
-    low = np.flatnonzero((own[upper] == own + step) & (np.abs(r) > AMISS * volumes) & (r * r[upper] < 0.0))
+    part = np.abs(way) / grid[d][cells[:, d]]
+    flat = A.reshape(-1)
+    passed = (own[upper] == own + step) & (part > SLOW) & (np.abs(flat[own] - before.reshape(-1)[own]) > JUMP)
+    low = np.flatnonzero(passed & (r * r[upper] < 0.0) & (np.abs(r) > AMISS * part * volumes))
     if not len(low):
         return
-    high = upper[low]
+    high, at = upper[low], own[low]
     swept = way[low] * volumes[low] / grid[d][cells[low, d]]
     much = np.sign(r[low]) * np.minimum(np.abs(r[low]), np.abs(r[high]))
-    flat, at = A.reshape(-1), own[low]
-    change = np.divide(much, swept, out=np.zeros_like(much), where=np.abs(swept) > AMISS * volumes[low])
-    change = np.clip(change, -faces[low, 2 * d + 1], flat[at])
+    change = np.clip(much / swept, -faces[low, 2 * d + 1], flat[at])
     faces[low, 2 * d + 1] += change
     faces[high, 2 * d] += change
     flat[at] -= change

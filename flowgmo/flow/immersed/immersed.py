@@ -105,7 +105,7 @@ class Immersed:
         if before is not swept:
             grown = self._numbers(self.cells), self.growth
             args = self.grid, self.centres, places, velocities, centres, dt
-            self.shares = mend_crossings(self.open, swept.shares, grown, *args)
+            self.shares = mend_crossings(self.open, self.covers.open, swept.shares, grown, *args)
         inside = self.covers.all_inside()
         self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
         self.closed = flow.F is None and (self.solved & self.no_exit | inside)
