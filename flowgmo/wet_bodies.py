@@ -96,10 +96,17 @@ class WetBodies:
 
     # ---- the length of a step
 
-    def longest_step(self, v: np.ndarray, w: np.ndarray) -> float:
-        """[time] in which no point of a moving body crosses more than TRAVEL cells. v, w (n, 3) of all bodies."""
-        speed = float(self.speeds(v, w).max(initial=0.0))
-        return TRAVEL * self.cell / speed if speed > 0.0 else np.inf
+    def longest_step(self, v: np.ndarray, w: np.ndarray, p: np.ndarray) -> float:
+        """[time] in which no point of a moving body crosses more than TRAVEL cells of the domain. v, w, p (n, 3) of all
+        bodies, p of B."""
+        ways, speeds = TRAVEL * self.cell + self.apart(p), self.speeds(v, w)
+        return float(np.min(ways[speeds > 0.0] / speeds[speeds > 0.0], initial=np.inf))
+
+    def apart(self, p: np.ndarray) -> np.ndarray:
+        """(movers,) [length]: how far each body is from the domain at least, 0 inside. p (n, 3) of B of all bodies."""
+        low, high = self.model.mesh.bounds
+        off = np.maximum(np.maximum(low - p[self.movers], p[self.movers] - high), 0.0)
+        return np.maximum(np.linalg.norm(off, axis=1) - self.reach, 0.0)
 
     def speeds(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
         """(movers,) [length/time] that no point of a moving body exceeds. v, w (n, 3) of all bodies."""
@@ -122,9 +129,9 @@ class WetBodies:
         dt, then = t1 - t0, self.poses_then(told, t0, t1)
         middle = self.poses_then(told, t0, 0.5 * (t0 + t1))
         m = self.movers
-        speed = float(self.speeds(then["v"], then["w"]).max(initial=0.0))
         ways = np.linalg.norm(then["p"][m] - motion["p"][m], axis=1)  # a jump within the step may be over at its end
-        way = max(speed * dt, float(ways.max(initial=0.0)))
+        ways = np.maximum(ways, self.speeds(then["v"], then["w"]) * dt) - self.apart(motion["p"])
+        way = float(ways.max(initial=0.0))
         if way > 2.0 * TRAVEL * self.cell:
             raise StepTooLong(f"a body crosses {way / self.cell:.3g} of a cell in a step")
         places = 0.5 * (motion["p"][m] + then["p"][m])

@@ -63,7 +63,7 @@ def cover_body(mesh: CoverMesh, body: Moved) -> BodyCover:
 def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
     """What each of the bodies covers by itself. The cells of all are shared by the threads."""
     near = [_near(mesh, body) if body.curved else _near_closed(mesh, body) for body in bodies]
-    known = [_curved(mesh, body, cells) for body, (cells, _) in zip(bodies, near, strict=True)]
+    known = [_curved(mesh, body, cells) if len(cells) else None for body, (cells, _) in zip(bodies, near, strict=True)]
     covered = [np.empty((len(cells), 7)) for cells, _ in near]
     jobs = [(n, k) for n, (cells, _) in enumerate(near) for k in range(0, len(cells), SHARED)]
 

@@ -1,10 +1,13 @@
 """Steps that each bound allows alone, and that together are too long; slivers that no step may be shortened for."""
 
 import numpy as np
-from flowgmo_wet import wet
+import pytest
+from flowgmo_wet import FREE, wet
+from flowgmo_wet_bodies import begin
 from flowgmo_wet_runs import advance, start
 
 from flowgmo.flow import stages
+from flowgmo.pace import Pace
 
 REAL = (slice(2, -2),) * 3
 
@@ -59,3 +62,19 @@ def test_walls_of_slivers_hold_at_any_step():
     longest, short, implicit = steady("", np.inf), steady("", 0.0009), steady("impvis=3,", 0.002)
     assert np.abs(short - longest).max() <= 1e-5 * longest.max()
     assert np.abs(implicit - longest).max() <= 0.01 * longest.max()
+
+
+@pytest.mark.parametrize("shape", ["rsh(1)=.1,", "rah(1)=.1, zl(1)=-.1, zh(1)=.1,", "rtorin(1)=.05, rtorout(1)=.1,"])
+def test_a_body_outside_the_domain_does_not_bound_the_step(shape):
+    # At 1000 m/s from 170 m away a step of half a cell would be 2e-5 s, and .1 s 5000 steps. Measured: 9.
+    text = wet(
+        xput=FREE + "imobs=1,",
+        obs=f"nobs=1, imo(1)=3, iob(1)=1, {shape} trnx(1)=-170., trny(1)=.5, trnz(1)=.6, utobs(1,1)=1e3,",
+    )
+    world, state = begin(text)
+    pace, steps = Pace(world.model, state), 0
+    while state.t < 0.05 and steps < 50:
+        pace.advance(world)
+        steps += 1
+    assert state.t >= 0.05
+    assert state.p_WB[0, 0] == pytest.approx(1e3 * state.t, rel=1e-12)
