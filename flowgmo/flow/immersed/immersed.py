@@ -37,13 +37,13 @@ from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.immersed.moving_walls import spin_resistance, wall_faces
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.volume_change import VolumeChange
+from flowgmo.flow.pressure.face_flows import PUSH
 from flowgmo.kernel import kernel
 
 if TYPE_CHECKING:
     from flowgmo.flow.momentum.momentum import Momentum
 
 NARROW = 0.01  # of a face
-PUSH = 0.5  # share of an overfull cell's excess that leaves in one step, as in pressure/projection.py
 
 
 @kernel
