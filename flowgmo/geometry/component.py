@@ -28,6 +28,7 @@ from flowgmo.geometry.primitives import Ball, Box, Mesh
 from flowgmo.geometry.recognise import recognise
 from flowgmo.geometry.revolved import WHOLE, Revolved
 from flowgmo.geometry.sheets import Sheets, sheets_of
+from flowgmo.geometry.sheets_by_piece import PieceSheets, sheets_by_piece
 from flowgmo.geometry.solid import Solid
 from flowgmo.geometry.transform import Affine, Transform
 from flowgmo.geometry.triangulate import triangles
@@ -93,6 +94,11 @@ class Component:
     def sheets(self) -> Sheets:
         """The smooth surfaces that its faces are parts of."""
         return sheets_of(self)
+
+    @cached_property
+    def sheets_by_piece(self) -> PieceSheets:
+        """The same by pieces, each of them convex: which side of which sheet it lies on."""
+        return sheets_by_piece(self)
 
     def owner(self, x: np.ndarray) -> np.ndarray:
         """Number (n,) of the piece that fills points (n,3), the later one where two overlap; -1 outside the body."""

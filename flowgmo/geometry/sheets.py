@@ -44,18 +44,24 @@ class Sheets(NamedTuple):
 
 def sheets_of(component: Component) -> Sheets:
     """The sheets of all pieces of a body, in space."""
+    found = [sheets_of_solid(solid) for solid in component.solids]
+    n, h, low, high, curved_low, curved_high = (np.concatenate([s[k] for s in found]) for k in (0, 1, 2, 3, 5, 6))
+    curved = tuple(d for s in found for d in s.curved)
+    single = component.roles == ("solid",) and len(n) + len(curved) == 1
+    return Sheets(n, h, low, high, (component.distance,) if single and curved else curved, curved_low, curved_high,
+                  single)  # fmt: skip
+
+
+def sheets_of_solid(solid: Solid) -> Sheets:
+    """The sheets of one piece by itself, in space; none of an empty one."""
     planes: list[tuple] = []
     curved: list[tuple] = []
-    for solid in component.solids:
-        low, high = solid.bounds()
-        if not (low <= high).all():
-            continue
+    low, high = solid.bounds()
+    if (low <= high).all():
         _collect(solid.shape, solid.place, low, high, planes, curved)
     n, h, low, high = (np.concatenate(rows) for rows in zip(*planes, _no_planes(), strict=True))
     ends = [np.array([c[k] for c in curved]).reshape(-1, 3) for k in (1, 2)]
-    single = component.roles == ("solid",) and len(n) + len(curved) == 1
-    distances = (component.distance,) if single and curved else tuple(c[0] for c in curved)
-    return Sheets(n, h, low, high, distances, *ends, single)
+    return Sheets(n, h, low, high, tuple(c[0] for c in curved), *ends, len(n) + len(curved) == 1)
 
 
 def _no_planes() -> tuple:

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.favor.body_cut import NODES
+from flowgmo.flow.favor.body_paint import count_painted, paint_body
 from flowgmo.flow.favor.body_sheets import Moved
-from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, count_painted, cut_body, paint_body
+from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, cut_body
 from flowgmo.flow.favor.near_surface import ROUNDING, TOUCHING, near_cells, node_planes, reach
 from flowgmo.flow.fields import G
 from flowgmo.flow.team import Team
@@ -70,8 +71,9 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
     def cut(jobs: list, first: int, last: int) -> None:
         for n, k in jobs[first:last]:
             some, (rows, at, values) = slice(k, k + SHARED), known[n]
-            of_body = bodies[n].planes, bodies[n].rounds, mesh.least, np.ascontiguousarray(rows[:, some]), at, values
-            cut_body(near[n][0][some], *mesh.halves, *of_body, covered[n][some])
+            body, of_cells = bodies[n], (np.ascontiguousarray(rows[:, some]), at, values)
+            of_body = body.planes, body.rounds, body.side, body.roles, mesh.least
+            cut_body(near[n][0][some], *mesh.halves, *of_body, *of_cells, covered[n][some])
 
     if mesh.team is None:
         cut(jobs, 0, len(jobs))
@@ -134,7 +136,7 @@ def _near_closed(mesh: CoverMesh, body: Moved) -> tuple[np.ndarray, np.ndarray]:
     if (low >= past).any():
         return np.zeros((0, 3), np.int32), np.zeros((0, 2), np.int64)
     index, counts = mesh.index(past - low), np.empty(2, np.int64)
-    paint_body(body.planes, body.rounds, *mesh.block.planes, low, past, index, counts)
+    paint_body(body.planes, body.rounds, body.side, body.roles, *mesh.block.planes, low, past, index, counts)
     return _read(mesh, low, index, counts)
 
 

@@ -14,13 +14,12 @@ import numpy as np
 
 from flowgmo.flow.favor.cell_parts import extrapolated
 from flowgmo.flow.favor.clip_square import area_of, clip, start_square
-from flowgmo.flow.favor.cut_cell import MOST_FIELDS, share_where_positive
+from flowgmo.flow.favor.cut_cell import add_wall, keep_positive, start_cell, volume_inside
 from flowgmo.flow.favor.cut_halves import node_across, open_face, open_parts
 from flowgmo.flow.favor.one_cut import volume_of_one
 from flowgmo.kernel import inner
 
 NODES = 27  # of a cell in halves
-MOST_SHEETS = 64  # of one body: planes (sheets.MANY) and curved ones
 
 
 @inner
@@ -30,32 +29,44 @@ def part_node(face, a, b):
 
 
 @inner
-def _load(work, values, count, i, j, k, step):
-    """Put the sheets that cut the box of `step` nodes at (i, j, k) into the work space, with the covered side positive.
-
-    Returns their number, -1 where nothing is covered.
-    """
-    cuts = np.int64(0)
+def _set_nodes(nodes, i, j, k, step):
+    """The corners of the box of `step` nodes at (i, j, k)."""
     for corner in range(8):
-        work.nodes[corner] = (
-            9 * (i + step * (corner // 4)) + 3 * (j + step * (corner // 2 % 2)) + k + step * (corner % 2)
-        )
+        nodes[corner] = 9 * (i + step * (corner // 4)) + 3 * (j + step * (corner // 2 % 2)) + k + step * (corner % 2)
+
+
+@inner
+def _cutting_box(values, count, nodes):
+    """How many sheets cut a box, -1 where nothing of it is covered, and the last of them."""
+    cuts = np.int64(0)
+    last = np.int64(0)
     for s in range(count):
         positive = False
         negative = False
         for corner in range(8):
-            positive |= values[s, work.nodes[corner]] > 0.0
-            negative |= values[s, work.nodes[corner]] < 0.0
-        if not positive:
-            continue
-        if not negative:
-            return np.int64(-1)
-        row = min(cuts, MOST_FIELDS - 1)
+            positive |= values[s, nodes[corner]] > 0.0
+            negative |= values[s, nodes[corner]] < 0.0
+        if positive and not negative:
+            return np.int64(-1), last
+        if positive:
+            cuts += 1
+            last = np.int64(s)
+    return cuts, last
+
+
+@inner
+def _cut_box(work, values, count):
+    """Covered share of the box of work.nodes, cut by one sheet after the other."""
+    polygons = start_cell(work, False)
+    for s in range(count):
+        cuts = False
         for corner in range(8):
-            inside = -values[s, work.nodes[corner]]
-            work.fields[row, corner] = inside if cuts < MOST_FIELDS else min(inside, work.fields[row, corner])
-        cuts += 1
-    return min(cuts, MOST_FIELDS)
+            work.fields[0, corner] = -values[s, work.nodes[corner]]
+            cuts |= work.fields[0, corner] < 0.0
+        if cuts:
+            polygons, ends = keep_positive(work, polygons, work.fields[0])
+            polygons = add_wall(work, polygons, ends)
+    return volume_inside(work, polygons)
 
 
 @inner
@@ -65,15 +76,16 @@ def _volume_by(work, values, count, step):
     for i in range(0, 2, step):
         for j in range(0, 2, step):
             for k in range(0, 2, step):
-                cuts = _load(work, values, count, i, j, k, step)
+                _set_nodes(work.nodes, i, j, k, step)
+                cuts, last = _cutting_box(values, count, work.nodes)
                 if cuts == 0:
                     total += 1.0
                 elif cuts == 1:
                     for corner in range(8):  # what is open, so that zeros count as covered
-                        work.fields[0, corner] = -work.fields[0, corner]
+                        work.fields[0, corner] = values[last, work.nodes[corner]]
                     total += 1.0 - volume_of_one(work.fields[0])
                 elif cuts > 0:
-                    total += share_where_positive(work, cuts, False)
+                    total += _cut_box(work, values, count)
     return total if step == 2 else 0.125 * total
 
 
@@ -107,7 +119,7 @@ def _face_by(ring, values, count, face, step):
 
 
 @inner
-def _signs_volume(d, step):
+def signs_volume(d, step):
     """Whether values (NODES,) are positive, and negative, at any node."""
     positive = False
     negative = False
@@ -120,7 +132,7 @@ def _signs_volume(d, step):
 
 
 @inner
-def _signs_face(d, face, step):
+def signs_face(d, face, step):
     """Whether values (NODES,) are positive, and negative, at any node of a face."""
     positive = False
     negative = False
@@ -143,9 +155,9 @@ def _cutting(values, planes, count, part):
     for s in range(count):
         step = 2 if s < planes else 1
         if part == 6:
-            positive, negative = _signs_volume(values[s], step)
+            positive, negative = signs_volume(values[s], step)
         else:
-            positive, negative = _signs_face(values[s], part, step)
+            positive, negative = signs_face(values[s], part, step)
         if positive and not negative:
             return np.int64(-1), last, False
         if positive:
@@ -162,8 +174,9 @@ def _joined(fine, coarse):
 
 
 @inner
-def _cover_part(work, ring, values, planes, count, part):
-    """Covered share of a part of a cell that several sheets reach."""
+def cover_part(work, ring, values, planes, count, part):
+    """Covered share of a part of a cell: where all values (count, NODES) are negative, the first `planes` of them of
+    planes; ring (2, MOST, 3) is scratch."""
     cuts, last, bent = _cutting(values, planes, count, part)
     if cuts < 0:
         return 0.0
@@ -187,15 +200,11 @@ def _cover_part(work, ring, values, planes, count, part):
 
 
 @inner
-def cover_cell(work, ring, values, planes, count, sums, fine, coarse, out):
-    """out (7,): covered shares of the faces and the volume of a cell, from values (count, NODES) of its sheets.
+def cover_by_one(values, planes, count, sums, fine, coarse, out):
+    """out (7,): covered shares of the faces and the volume of a cell that one sheet cuts, values (1, NODES), or none.
 
-    The first `planes` of them are planes. ring (2, MOST, 3), sums (8, 8), fine (7,), coarse (7,): scratch.
+    planes: 1 where it is a plane. sums (8, 8), fine (7,), coarse (7,): scratch.
     """
-    if count > 1:
-        for part in range(7):
-            out[part] = _cover_part(work, ring, values, planes, count, part)
-        return
     if count == 0:
         for part in range(7):
             out[part] = 1.0

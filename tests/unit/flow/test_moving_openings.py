@@ -270,8 +270,9 @@ def test_balls_and_cylinders_are_found_by_their_distance(shape, monkeypatch):
     assert found.exact
     assert not found.curved
     closed = body_cover.cover_body(body_cover.CoverMesh(block), found.moved(at))
-    monkeypatch.setattr(body_sheets, "round_sheet", lambda *a: None)
-    asked = body_sheets.Body(shape)
+    monkeypatch.setattr("flowgmo.geometry.sheets_by_piece.round_sheet", lambda *a: None)
+    asked = body_sheets.Body(Component(shape.pieces, shape.transform))
+    assert not len(asked.rounds)
     numbered = body_cover.cover_body(body_cover.CoverMesh(block), asked.moved(at))
     np.testing.assert_array_equal(closed.numbers, numbered.numbers)
     np.testing.assert_allclose(closed.shares, numbered.shares, atol=1e-12)
@@ -425,20 +426,22 @@ def l_shape(size=1.0):
 def mesh_box(half):
     """A box made of twelve triangles, as read from a file."""
     vertices, triangles = box(half, (0, 0, 0)).triangles()
-    return Meshed(MeshSolid(np.asarray(vertices, float), np.asarray(triangles)))
+    solid = MeshSolid(np.asarray(vertices, float), np.asarray(triangles))
+    return ByDistance(solid.distance, np.array([solid.vertices.min(axis=0), solid.vertices.max(axis=0)]))
 
 
-class Meshed:
-    """A mesh with the calls of a shape, known by its distance only."""
+class ByDistance:
+    """A shape that is known by its distance only."""
 
-    def __init__(self, solid):
-        self.distance, self.vertices = solid.distance, solid.vertices
-
-    def bounds(self):
-        return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+    def __init__(self, distance, bounds):
+        self.distance, self.bounds = distance, lambda: bounds
 
 
-@pytest.mark.parametrize(("shape", "volume"), [(l_shape(), 0.024), (mesh_box((0.2, 0.15, 0.1)), 0.024)])
+def of_distance(shape):
+    return ByDistance(shape.distance, shape.bounds())
+
+
+@pytest.mark.parametrize(("shape", "volume"), [(of_distance(l_shape()), 0.024), (mesh_box((0.2, 0.15, 0.1)), 0.024)])
 def test_bodies_known_by_their_distance(shape, volume):
     """An L and a triangle mesh: identities as all others; volume by chords, 1.8e-3 and 1.4e-3 of it, 8 cells across."""
     rng = np.random.default_rng(5)
@@ -473,7 +476,7 @@ def test_a_sweep_makes_no_pass_over_the_mesh():
     figures = []
     for n in (64, 128):
         block = Block(*[np.linspace(0.0, n, n + 1)] * 3, graded_block(4).neighbours)
-        shape = l_shape(25.0)
+        shape = of_distance(l_shape(25.0))
         c = np.full(3, n / 2 + 0.3)
         moving, _ = start(block, [], [shape], [pose(c, (20, 0, 20))])
         moving.sweep([pose(c + 0.1, (20, 0, 20))])
