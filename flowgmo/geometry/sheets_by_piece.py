@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 POINTS = 4096  # at which a piece is compared with its sheets: a part that they do not give is smaller than one of these
 AROUND = 0.25  # of the piece's size: how far beyond its ends these points go, so that some are outside
+BEYOND = 2.0  # of the distance of the ends that a body has: how far it is looked at where it has none
 ALIKE = 1e-9  # of the body's size: two triangles of one flat face have planes that differ by rounding
 SAME = 1e-12  # of the body's size: planes of two pieces, rounded by their rotations (merge.SAME)
 MOST_SHEETS = 256  # of one body; their values at the nodes of a cell are 55 kB then
@@ -76,8 +77,8 @@ def known_by_distance(shape: Component | Solid) -> Convex:
 
 def _all_in_one(body: Component) -> Convex | None:
     """The body as what lies on the negative side of all its sheets; None where it does not."""
-    low, high = body.bounds()
-    if not np.isfinite(high - low).all() or not (low < high).all():
+    low, high = ended(*body.bounds())
+    if not (low < high).all():
         return None
     x = low + (high - low) * spread(POINTS)
     return _bounded_by(body.sheets, x, body.distance, 0.5 * (low + high), float(np.linalg.norm(high - low)))
@@ -96,11 +97,18 @@ def _one_by_one(body: Component) -> tuple[list[Convex], list[int], bool]:
     return pieces, roles, exact
 
 
+def ended(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds (3,) with an end beyond those there are where a body has none: sheets that bound it do so there, and a
+    plate without an end across a thin domain is as exact as one that ends beyond its sides."""
+    ends = np.concatenate([low[np.isfinite(low)], high[np.isfinite(high)]])
+    size = BEYOND * float(np.ptp(ends)) if len(ends) and np.ptp(ends) > 0.0 else 1.0
+    first = np.where(np.isfinite(low), low, np.where(np.isfinite(high), high - size, -0.5 * size))
+    return first, np.where(np.isfinite(high), high, first + size)
+
+
 def _box(bounds: np.ndarray) -> tuple[np.ndarray, float]:
-    """Middle (3,) and half the diagonal of bounds (2, 3); those of a unit box where there are none."""
-    low, high = bounds
-    if not np.isfinite(high - low).all():
-        return np.zeros(3), 1.0
+    """Middle (3,) and half the diagonal of bounds (2, 3)."""
+    low, high = ended(*bounds)
     return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
 
 
@@ -208,7 +216,7 @@ def _convex(solid: Solid, role: str, low: np.ndarray, high: np.ndarray) -> list[
 
 def _points(solid: Solid, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, float] | None:
     """Points all over a piece and around it, their middle and how far apart they are; None where it has no end."""
-    own = Solid(solid.shape, 1.0, np.eye(3), np.zeros(3)).bounds()
+    own = np.array(ended(*Solid(solid.shape, 1.0, np.eye(3), np.zeros(3)).bounds()))
     if np.isfinite(high - low).all():
         middle, half = solid.own(0.5 * (low + high)[None])[0], np.abs(solid.R.T) @ (0.5 * (high - low)) / solid.scale
         own = np.array([np.maximum(own[0], middle - half), np.minimum(own[1], middle + half)])

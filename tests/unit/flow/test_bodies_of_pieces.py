@@ -255,3 +255,34 @@ def test_among_solids_and_other_bodies(shape):
     moving.settle()
     volume = (moving.open.V[INNER] * cell_volumes(block)).sum()
     assert 0.5 < volume < 0.71
+
+
+@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (0.0, 20.0, 0.0), (0.0, -63.0, 0.0)])
+def test_bodies_without_an_end_are_as_exact_as_those_that_end_beyond_the_sides(turn):
+    """Plates across a thin domain, a half space, an angle of two plates: shares to rounding.
+
+    By its distance alone a corner cell of a plate held 1/12 too much up to half a cell, and too little from there on.
+    """
+    planes = np.linspace(0, 1, 21), np.linspace(0, 0.05, 2), np.linspace(0, 1, 19)
+    mesh = CoverMesh(Block(*planes, tuple(Side(i, 1) for i in range(6))))
+    cases = [
+        [Limits(x=(-0.2, 0.2), z=(-0.07, 0.07))],
+        [Limits(z=(None, 0.07))],
+        [Limits(x=(-0.2, 0.2), z=(-0.07, 0.07)), Limits(x=(-0.2, -0.1), z=(-0.3, 0.0))],
+    ]
+    for limits in cases:
+        free = Component([Piece(limits=one) for one in limits])
+        far = [
+            Limits(
+                x=one.x if one.x != (None, None) else (-4.0, 4.0), y=(-4.0, 4.0),
+                z=one.z if one.z[0] is not None else (-4.0, one.z[1]),
+            )
+            for one in limits
+        ]  # fmt: skip
+        ended = Component([Piece(limits=one) for one in far])
+        for t in ((0.5, 0.0, 0.4999), (0.51, 0.0, 0.4201), (0.4871, 0.0, 0.43)):
+            at = Pose(rotation(turn), np.array(t))
+            a, b = (cover_body(mesh, Body(c).moved(at)) for c in (free, ended))
+            assert a.volume == pytest.approx(b.volume, rel=1e-13)
+            assert np.array_equal(a.numbers, b.numbers)
+            assert np.abs(a.shares - b.shares).max() <= 1e-13

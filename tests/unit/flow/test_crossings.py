@@ -77,3 +77,47 @@ def test_volumes_say_when_a_wall_passes():
     assert mended.faces[1, 0] == pytest.approx(0.3, abs=1e-12)
     assert opened.Ax[3, 3, 3] == pytest.approx(0.7, abs=1e-12)
     assert np.array_equal(mended.faces[:, 2:], faces[:, 2:])
+
+
+SQUEEZE = """ a plate sinks evenly towards the bed
+ &xput
+  twfin=.12, delt=.0005, tdtmax(1)=.001, itb=1, ipdis=1, gz=-9.81, imobs=1,
+ /
+ &limits
+ /
+ &props
+  rhof=1000.,
+ /
+ &bcdata
+  ibct=2,2,1,1,2,2,
+ /
+ &mesh
+  px=0.,1.2, py=0.,.02, pz=0.,.72, nxcelt=60, nycelt=1, nzcelt=36,
+ /
+ &obs
+  nobs=1,
+  obsid(1)='plate', iob(1)=1, imo(1)=3, xl(1)=.4, xh(1)=.8, zl(1)=.06, zh(1)=.24, wtobs(1,1)=-.3,
+ /
+ &fl
+  flht=.5,
+ /
+"""
+
+
+def test_load_of_a_plate_that_passes_cells_is_smooth():
+    """Its load rises slowly as the gap under it closes, but where its faces pass planes of the mesh, at two cells.
+
+    Measured: steps of .069 at most, once; 1.9 times its neighbours there, 3.6 with the mean of three poses alone. With
+    the plate's corners cut by its distance it had spikes of a hundredfold as it passed half a cell.
+    """
+    world, state = begin(SQUEEZE)
+    pace, gaps, loads = Pace(world.model, state), [], []
+    while state.t < 0.08:
+        pace.advance(world)
+        gaps.append(0.06 - 0.3 * state.t)
+        loads.append(world.wet_bodies.records.loads.total[0, 2] / 0.02 - 1000.0 * 9.81 * 0.4 * 0.18)
+    gaps, loads = np.array(gaps), np.array(loads)
+    between = ((gaps[1:] > 0.0404) & (gaps[1:] < 0.054)) | (gaps[1:] < 0.0385)
+    assert (np.abs(np.diff(loads)[between]) <= 0.1 * loads[1:][between]).all()
+    assert loads[10:].max() <= 2.5 * np.median(loads[10:])
+    assert (loads[10:] > 0.0).all()
