@@ -71,6 +71,11 @@ def prepare(model: Model) -> World:
         (block,) = model.mesh.blocks
         shear = shear_of_solids(liquid, block.planes) if model.fluid.loads else {}
         watch = watch_of(model, liquid, liquid.walls, shear)
+    momentum = None
+    if wet is not None and wet.explicit is None:
+        from flowgmo.momentum_book import MomentumBook
+
+        momentum = MomentumBook(model, wet, list(watch.walls.values()))
     return World(
         model=model,
         arrays=arrays,
@@ -86,6 +91,7 @@ def prepare(model: Model) -> World:
         scratch=poses_of(initial_state(model)),
         energy_at_start=energy_at_start(model, arrays),
         ledger=ledger_of(model),
+        momentum=momentum,
     )
 
 
@@ -158,7 +164,10 @@ def _stages_with_bodies(
         stages.move_liquid(liquid, state.fluid, t1 - state.t, state.step)
 
     def answer_impacts(world: World, state: State, t1: float, room: Room) -> None:
+        before, owed = room.motion["v"].copy(), room.owed.copy()
         wet.impacts.settle(state.fluid, room.motion, room.owed)
+        if world.momentum is not None:
+            world.momentum.answer(before, room.motion["v"], owed)
 
     solve = project if alone is None else project_after_bodies
     before = [("open fractions", expect), ("momentum", predict), ("pressure", solve)]
@@ -185,6 +194,8 @@ def start_liquid(world: World, state: State) -> None:
         state.fluid = initial_flow(world.liquid, world.model)
         if world.wet_bodies is not None:
             world.wet_bodies.records.at_start(state.fluid, state.p_WB)
+        if world.momentum is not None:
+            world.momentum.open(state)
 
 
 def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool) -> Report:
@@ -209,9 +220,11 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
         world.seconds.setdefault(name, 0.0)
         world.seconds[booked] = world.seconds.get(booked, 0.0) + time.perf_counter() - began
     _check_finite(world, room, t1)
+    momenta = None if world.momentum is None else world.momentum.step(state, room.motion, t1 - state.t)
     room.store(state)
     if world.liquid is not None:
         world.liquid.store(state.fluid, t1 - state.t)
+        state.fluid.momenta = momenta
     state.advance_clock(t1, landing)
     if room.stops:
         rows = np.array([row for _, row in room.stops])
@@ -240,6 +253,8 @@ def liquid_values(world: World, state: State) -> dict:
     if world.wet_bodies is not None:
         wet = world.wet_bodies
         values = values | wet.records.wet_parts(flow, wet.names, state.p_WB) | wet_energy(world, state, values)
+    if world.momentum is not None:
+        values = values | world.momentum.values(state)
     booked = "gauges" if "gauges" in world.seconds else KERNELS
     world.seconds.setdefault("gauges", 0.0)
     world.seconds[booked] = world.seconds.get(booked, 0.0) + time.perf_counter() - began

@@ -18,7 +18,7 @@ class World:
     """What kernels need of a Model, made once: bodies (n,) of BODY, laws (None: all ballistic), stages, scratch.
 
     wet_bodies: those that move in the liquid (wet_bodies.py); flying (n,) BODY: what the motion of bodies uses, the
-    same array as `arrays` but for those; with flying_laws.
+    same array as `arrays` but for those; with flying_laws. momentum: its book (momentum_book.py), where they do.
     """
 
     model: Model
@@ -35,6 +35,7 @@ class World:
     scratch: np.ndarray
     energy_at_start: float
     ledger: tuple[tuple[str, int, float], ...]
+    momentum: object | None = None
     seconds: dict[str, float] = field(default_factory=dict)
 
 

@@ -42,7 +42,8 @@ class Flow:
     dt [time]: the length of the last step; pace [time]: how long it might have been but for an impact that cut it
     short, which the next one may grow from. 0 at the start.
     start_volume [length3] of liquid at t = 0, start_energy its kinetic and potential energy; passed (6,) [length3]:
-    liquid that came in through each side since.
+    liquid that came in through each side since. momenta (7, 3): the book of momentum (momentum_book.py), None where no
+    body moves in the liquid.
     """
 
     u: np.ndarray | None
@@ -56,6 +57,7 @@ class Flow:
     passed: np.ndarray = field(default_factory=lambda: np.zeros(6))
     p_before: np.ndarray | None = None
     pace: float = 0.0
+    momenta: np.ndarray | None = None
 
     @property
     def velocity(self) -> list[np.ndarray | None]:

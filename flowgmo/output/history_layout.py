@@ -55,7 +55,8 @@ ENERGY = {
 }
 
 #: What is recorded of the liquid: group -> dataset -> (columns, quantity, location, meaning). In the file a group is
-#: `fluid`, `boundaries/<side>`, `planes/<k>`, `probes/<k>`, `bodies/<OBSID>`. `source` of such a Column is its name.
+#: `fluid`, `momentum`, `boundaries/<side>`, `planes/<k>`, `probes/<k>`, `bodies/<OBSID>`. `source` of such a Column is
+#: its name.
 LIQUID = {
     "fluid": {
         "volume": ((), "volume", "", "volume of the liquid"),
@@ -63,6 +64,21 @@ LIQUID = {
         "kinetic_energy": ((), "energy", "", "kinetic energy of the liquid"),
         "potential_energy": ((), "energy", "", "of the liquid in gravity, from the corner of the domain it points at"),
         "wet_share": ((), "none", "", "cells that hold liquid, part of all"),
+    },
+    "momentum": {
+        "total": ((3,), "impulse", "space axes", "momentum of the liquid and the coupled bodies"),
+        "gravity": ((3,), "impulse", "space axes", "given by gravity since t = 0"),
+        "walls": ((3,), "impulse", "space axes", "given by closed sides and solids that stand still since t = 0"),
+        "prescribed": ((3,), "impulse", "space axes", "given to the liquid by prescribed bodies since t = 0"),
+        "contacts": (
+            (3,),
+            "impulse",
+            "space axes",
+            "given to coupled bodies by contacts, stops and what keeps prescribed components since t = 0",
+        ),
+        "loads": ((3,), "impulse", "space axes", "given by control loads since t = 0"),
+        "streams": ((3,), "impulse", "space axes", "given by open sides since t = 0"),
+        "remainder": ((3,), "impulse", "space axes", "what the book of momentum misses"),
     },
     "boundaries": {"volume": ((), "volume", "this side", "liquid that came in since t = 0, < 0 what left")},
     "planes": {"flow": ((), "flow", "this plane", "volume of liquid per time, along the axis")},

@@ -64,21 +64,21 @@ def holds(found, rise, over, speed):
 # ends at 1e2 to 1e15 m/s. Gravity alone gives 2.8 m/s.
 FAST = 60.0
 SCENES = {
-    "aground": (0.03, 0.1, FAST),  # .005, .02 to .03, 3 to 5
+    "aground": (0.015, 0.1, FAST),  # .005, .02 to .03, 3 to 5
     "bubbles": (0.1, 0.1, FAST),  # .04, .04 to .06, 3
     "feather": (0.1, 0.2, 20.0),  # 7 places a hair to .001 m apart: 0 to .03, .08 to .10, 3 to 9; 1.1 and 300 m/s where
     # nothing but its own inertia, 1e-6 of the water's, held it along the surface
     "gate": (0.1, 0.1, FAST),  # .02 to .04, .01 to .02, 5; .29 where impacts are paid for in the next step
     "hit": (0.06, 0.1, FAST),  # .022, .03 to .04, 2 to 5; .23 likewise
-    "hollow": (0.1, 0.15, FAST),  # .02, .08, 6 to 7
+    "hollow": (0.06, 0.15, FAST),  # .03, .08, 6 to 7
     "one_cell": (0.0, 0.0, 0.0),  # nothing moves
     "pile": (0.07, 0.1, FAST),  # .004 to .03, .04, 7 to 49
-    "piston": (0.5, 0.01, FAST),  # .23 to .26, .002, 3: the potential energy of cells that the piston cuts
-    "plug": (0.2, 0.04, FAST),  # .09, .02, 2
-    "plug_free": (0.6, 0.2, FAST),  # .12 to .37, .05 to .13, 4 to 7; 46 where a cell that nearly closes kept a debt
+    "piston": (0.25, 0.01, FAST),  # .13, 1e-5 to .002, 1 to 3
+    "plug": (0.12, 0.04, FAST),  # .06; .09 where liquid beside the plug does not count as moving with it, .02, 2
+    "plug_free": (0.3, 0.2, FAST),  # .09 to .13, .05 to .13, 4 to 7; 46 where a cell that nearly closes kept a debt
     "shell": (0.1, 0.1, FAST),  # .03, .05, 5
-    "slam": (0.06, 0.25, FAST),  # .03, .17, 3: the sweeps of a jet at a Courant number of .5
-    "slam_driven": (0.05, 1e-4, FAST),  # .008, 1e-6, 4
+    "slam": (0.04, 0.25, FAST),  # .02, .17, 3: the sweeps of a jet at a Courant number of .5
+    "slam_driven": (0.01, 1e-4, FAST),  # 2e-13, 2e-5, 4; .07 where the plate's velocity counts before the water has it
     "spin": (0.06, 0.03, 60.0),  # .033 of 601 J, .011, 40: the corners of the box, 76
     "spin_ball": (1e-9, 1e-6, 100.0),  # 2e-10, 3e-9, 70: the ball itself, 104
     "tiny": (0.04, 0.03, FAST),  # .02, .008 to .016, 2
@@ -100,7 +100,7 @@ RELEASED = {
     "100": (0.01, 0.08, FAST),  # .004, .04, 12
 }
 THROWN = {  # rise: of a light ball that has stopped the largest kinetic energy is small
-    "0.001": (1.0, 0.2, FAST),  # .60, .12, 3.5
+    "0.001": (0.2, 0.2, FAST),  # .10, .09 to .12, 3.5
     "0.01": (0.1, 0.15, FAST),  # .06, .10, 3.5
     "0.1": (0.06, 0.08, FAST),  # .035, .05, 3.5
     "0.5": (0.01, 0.03, FAST),  # .003, .01, 3.5

@@ -30,6 +30,7 @@ from flowgmo.flow.fields import Grid, Open
 
 AMISS = 0.03  # of what a wall sweeps in a cell: less is what the mean of three leaves of walls that pass gradually
 JUMP = 0.01  # of a face: those whose openings hardly change in the step are not passed by a wall
+ALONG = 0.1  # of a wall's way: faces that it goes along are not passed
 SLOW = 1e-9  # of a cell: walls that move less within a step stand still
 
 
@@ -57,7 +58,7 @@ def mend_crossings(
         found = np.searchsorted(numbers, own)
         r, faces = volume[found], one.faces.copy()
         for d, A in enumerate(opened[1:]):
-            _mend(d, A, now[1 + d], one.cells, own, faces, r, grid, dt * speeds[b][:, d])
+            _mend(d, A, now[1 + d], one.cells, own, faces, r, grid, dt * speeds[b])
         volume[found] = r
         if not np.array_equal(faces, one.faces):
             out[b] = one._replace(faces=faces)
@@ -80,23 +81,27 @@ def _mend(
     d: int, A: np.ndarray, before: np.ndarray, cells: np.ndarray, own: np.ndarray, faces: np.ndarray, r: np.ndarray,
     grid: Grid, way: np.ndarray,
 ) -> None:  # fmt: skip
-    """Along d, of one body: faces (n, 6), r (n,) [length3] of its cells and the areas A are changed. way (n,) [length]
-    of the wall in the step."""
+    """Along d, of one body: faces (n, 6), r (n,) [length3] of its cells and the areas A are changed. before: areas at
+    the start; way (n, 3) [length] of the wall in the step."""
     if not len(own):
         return
     step = A.strides[d] // A.itemsize
     upper = np.searchsorted(own, own + step).clip(0, len(own) - 1)
     volumes = np.prod([w[cells[:, e]] for e, w in enumerate(grid[:3])], axis=0)
-    part = np.abs(way) / grid[d][cells[:, d]]
-    flat = A.reshape(-1)
-    passed = (own[upper] == own + step) & (part > SLOW) & (np.abs(flat[own] - before.reshape(-1)[own]) > JUMP)
-    low = np.flatnonzero(passed & (r * r[upper] < 0.0) & (np.abs(r) > AMISS * part * volumes))
+    area = volumes / grid[d][cells[:, d]]
+    way = 0.5 * (way + way[upper])
+    swept, far = area * way[:, d], np.abs(way).max(axis=1)
+    much = np.sign(r) * np.minimum(np.abs(r), np.abs(r[upper]))
+    ahead = (np.abs(way[:, d]) > ALONG * far) & (far * area > SLOW * volumes)
+    passed = (own[upper] == own + step) & ahead & (np.abs(A.reshape(-1)[own] - before.reshape(-1)[own]) > JUMP)
+    low = np.flatnonzero(passed & (r * r[upper] < 0.0) & (np.abs(much) > AMISS * np.abs(swept)))
     if not len(low):
         return
-    high, at = upper[low], own[low]
-    swept = way[low] * volumes[low] / grid[d][cells[low, d]]
-    much = np.sign(r[low]) * np.minimum(np.abs(r[low]), np.abs(r[high]))
-    change = np.clip(much / swept, -faces[low, 2 * d + 1], flat[at])
+    high, flat, at, was, swept = upper[low], A.reshape(-1), own[low], before.reshape(-1)[own[low]], swept[low]
+    change = much[low] / swept
+    opens = flat[at] > was  # the mean lies between what was open and what is open to the full, or closed
+    change = np.where(opens, np.clip(change, -faces[low, 2 * d + 1], flat[at] - was), change)
+    change = np.where(opens, change, np.clip(change, flat[at] - was, flat[at]))
     faces[low, 2 * d + 1] += change
     faces[high, 2 * d] += change
     flat[at] -= change

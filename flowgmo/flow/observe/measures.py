@@ -5,15 +5,11 @@
     potential   - rho sum of F V dx dy dz  g . (x - x0)            x0 the corner of the domain that g points at
 
 The mean of the two faces' squares is the trapezoidal rule, second order, and it is each face's energy over half of
-either neighbour, which is what the projection lowers. A closed face has no velocity.
+either neighbour, which is what the projection lowers. A closed face has no velocity; what bodies that move give it is
+added apart (beside_bodies.py).
 
-x is where the liquid of the cell is, not the cell's centre: a surface that rises by half a cell would else move no
-energy at first. Liquid that fills the part F of a cell leans away from the void, along each direction by
-
-    - (1 - F) / 2  dx  m_x |m_x| / (m_x^2 + m_y^2 + m_z^2),    m_x = F of the lower - F of the upper neighbour
-
-which is exact for a surface along the mesh, and second order otherwise (squares: a slight tilt of the surface changes
-the height of what is below it by the square of the tilt). A closed neighbour counts as equal.
+x is where the liquid of the cell is, not the cell's centre (places_of_liquid.py): a surface that rises by half a cell
+would else move no energy at first, nor a body that passes half of one. Without gravity nothing of this is computed.
 
 Sums are taken column by column and added without rounding (math.fsum), so that the error of the volume tells what the
 method loses and not how it was counted.
@@ -27,11 +23,10 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.fields import Flow, G, Grid, Open
+from flowgmo.flow.observe.places_of_liquid import lean
+from flowgmo.flow.surface.surface_normals import steps_of
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel, inner
-
-#: smallest square of F's change that tells a direction: F is known to 1e-16. Dust of 1e-155 gave 0 / 0 here
-NO_DROP = 1e-32
 
 
 class Totals(NamedTuple):
@@ -41,32 +36,6 @@ class Totals(NamedTuple):
     kinetic: float
     potential: float
     wet: int
-
-
-@inner
-def drop(F, V, i, j, k, m, n, o):
-    """F of the lower - F of the upper neighbour along the direction (m, n, o)."""
-    below = F[i - m, j - n, k - o]
-    above = F[i + m, j + n, k + o]
-    if V is not None:
-        below = below if V[i - m, j - n, k - o] > 0.0 else F[i, j, k]
-        above = above if V[i + m, j + n, k + o] > 0.0 else F[i, j, k]
-    return below - above
-
-
-@inner
-def lean(F, V, i, j, k, grid, g):
-    """g . (place of the liquid in its cell - the cell's centre) [length2/time2]; g (3,) [length/time2]."""
-    mx = drop(F, V, i, j, k, 1, 0, 0)
-    my = drop(F, V, i, j, k, 0, 1, 0)
-    mz = drop(F, V, i, j, k, 0, 0, 1)
-    size = mx * mx + my * my + mz * mz
-    if not size > NO_DROP:
-        return 0.0
-    away = 0.5 * (1.0 - max(F[i, j, k], 0.0)) / size  # cells that close may lack a little for a step
-    return -away * (
-        g[0] * grid.dx[i] * mx * abs(mx) + g[1] * grid.dy[j] * my * abs(my) + g[2] * grid.dz[k] * mz * abs(mz)
-    )
 
 
 @inner
@@ -83,10 +52,11 @@ def mean_square(a, A, i, j, k, m, n, o):
 
 
 @flow_kernel
-def sum_columns(columns, first, last, grid, V, Ax, Ay, Az, F, u, v, w, hx, hy, hz, g, least, sums):
+def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy, hz, g, least, sums):
     """sums[c] = volume, its kinetic and potential energy / rho, and the cells with F > least, of each column.
 
-    hx, hy, hz (n + 4,) [length2/time2]: -g . x of cell centres along each direction.
+    opened: Open, V: opened.V (by itself, since None must be an argument to be pruned). hx, hy, hz (n + 4,)
+    [length2/time2]: -g . x of cell centres along each direction; g (3,) [length/time2]. None without gravity.
     """
     for c in range(first, last):
         i = columns[c, 0]
@@ -97,21 +67,25 @@ def sum_columns(columns, first, last, grid, V, Ax, Ay, Az, F, u, v, w, hx, hy, h
         wet = 0.0
         for k in range(columns[c, 2], columns[c, 3]):
             part = grid.dz[k]
-            height = hx[i] + hy[j] + hz[k]
+            cut = False
             if V is not None:
                 part *= V[i, j, k]
+                cut = V[i, j, k] < 1.0
             if F is not None:
                 if F[i, j, k] == 0.0:
                     continue
                 part *= F[i, j, k]
-                if F[i, j, k] < 1.0:
-                    height -= lean(F, V, i, j, k, grid, g)
-            square = mean_square(u, Ax, i, j, k, 1, 0, 0)
-            square += mean_square(v, Ay, i, j, k, 0, 1, 0)
-            square += mean_square(w, Az, i, j, k, 0, 0, 1)
+                cut = cut or F[i, j, k] < 1.0
+            if hx is not None:
+                potential += part * (hx[i] + hy[j] + hz[k])
+                if cut and part > 0.0:
+                    weights = (g[0] * grid.dx[i], g[1] * grid.dy[j], g[2] * grid.dz[k])
+                    potential -= grid.dz[k] * lean(F, V, opened, steps, i, j, k, weights)
+            square = mean_square(u, opened.Ax, i, j, k, 1, 0, 0)
+            square += mean_square(v, opened.Ay, i, j, k, 0, 1, 0)
+            square += mean_square(w, opened.Az, i, j, k, 0, 0, 1)
             volume += part
             kinetic += 0.5 * part * square
-            potential += part * height
             if F is None:
                 wet += 1.0 if part > 0.0 else 0.0
             else:
@@ -147,9 +121,12 @@ def total(
 ) -> Totals:
     """Totals of the liquid in the columns' cells; F with ghosts filled. least: F of a cell that counts as wet."""
     sums = np.empty((len(columns), 4))
-    g = tuple(float(x) for x in gravity)
+    g, where = None, (None, None, None)
+    if np.any(gravity):
+        g, where = tuple(float(x) for x in gravity), heights(grid, gravity)
+    opened = openings, openings.V
     team.run(
-        sum_columns, columns, grid, *openings, flow.F, *flow.velocity, *heights(grid, gravity), g, least, sums
+        sum_columns, columns, grid, *opened, steps_of(grid), flow.F, *flow.velocity, *where, g, least, sums
     )  # fmt: skip
     volume, kinetic, potential, wet = (math.fsum(column) for column in sums.T)
     return Totals(volume, rho * kinetic, rho * potential, int(wet))

@@ -81,7 +81,7 @@ def test_volumes_say_when_a_wall_passes():
 
 SQUEEZE = """ a plate sinks evenly towards the bed
  &xput
-  twfin=.12, delt=.0005, tdtmax(1)=.001, itb=1, ipdis=1, gz=-9.81, imobs=1,
+  twfin=.12, delt=.0005, tdtmax(1)=.001, itb=1, ipdis=1, gz=-9.81, imobs=1, thpltd(1)=.12, tpltd(1)=1.,
  /
  &limits
  /
@@ -107,7 +107,7 @@ SQUEEZE = """ a plate sinks evenly towards the bed
 def test_load_of_a_plate_that_passes_cells_is_smooth():
     """Its load rises slowly as the gap under it closes, but where its faces pass planes of the mesh, at two cells.
 
-    Measured: steps of .069 at most, once; 1.9 times its neighbours there, 3.6 with the mean of three poses alone. With
+    Measured: steps of .044 at most; 1.9 times its neighbours there, 3.6 with the mean of three poses alone. With
     the plate's corners cut by its distance it had spikes of a hundredfold as it passed half a cell.
     """
     world, state = begin(SQUEEZE)
@@ -119,5 +119,5 @@ def test_load_of_a_plate_that_passes_cells_is_smooth():
     gaps, loads = np.array(gaps), np.array(loads)
     between = ((gaps[1:] > 0.0404) & (gaps[1:] < 0.054)) | (gaps[1:] < 0.0385)
     assert (np.abs(np.diff(loads)[between]) <= 0.1 * loads[1:][between]).all()
-    assert loads[10:].max() <= 2.5 * np.median(loads[10:])
+    assert loads[gaps < 0.05].max() <= 2.5 * loads[gaps > 0.0405][-1]
     assert (loads[10:] > 0.0).all()

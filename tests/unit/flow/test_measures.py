@@ -106,7 +106,7 @@ def test_scaled_by_powers_of_two_gives_the_same_bits():
 
 
 def test_solids_hold_no_liquid_and_a_solid_is_a_wall():
-    """A box that fills x > 0.5 leaves what a mesh that ends there has."""
+    """A box that fills x > 0.5 leaves what a mesh that ends there has; potential energy of level liquid."""
     half, whole = block_of((4, 5, 6), hi=(0.5, 1, 1), ratio=1.0), block_of((8, 5, 6), ratio=1.0)
     random = np.random.default_rng(5)
     shape = tuple(n + 2 * G for n in whole.shape)
@@ -117,7 +117,11 @@ def test_solids_hold_no_liquid_and_a_solid_is_a_wall():
     part[0][6:] = part[0][5]  # ghosts of F: mirrored
     openings = openings_of(whole, [np.array([[0.5, -1, -1], [2, 2, 2]])])[0]
     here = totals(half, flow_of(half, part[0], None, *part[1:]))
-    assert np.allclose(here, totals(whole, flow_of(whole, F, None, u, v, w), openings=openings), rtol=1e-14)
+    there = totals(whole, flow_of(whole, F, None, u, v, w), openings=openings)
+    assert np.allclose(here[:2], there[:2], rtol=1e-14) and here.wet == there.wet
+    level = below(whole, 0.63)
+    here = totals(half, flow_of(half, level[cut].copy()))
+    assert here.potential == pytest.approx(totals(whole, flow_of(whole, level), openings=openings).potential, rel=1e-14)
 
 
 def test_absent_parts():
