@@ -253,7 +253,7 @@ class WetBodies:
         self.kicked += self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.rubbed)
         self.contacts = self.contacts_held(state, motion) if self.wet and len(state.held_parts) else None
         self.films = self._films(flow, motion) if self.film is not None and self.wet else None
-        self.turns = 0
+        self.turns, self.parts = 0, {}
 
     def _films(self, flow: object, motion: np.ndarray) -> StepFilms | None:
         """Thin films beside the bodies, as strong as fits the way they would go with the pressure as it is now."""
@@ -282,15 +282,8 @@ class WetBodies:
     def begin(self, diagonal: np.ndarray, right: np.ndarray) -> Coupling:
         """See projection.Couple."""
         rho, flat, into = self.model.fluid.rho, diagonal.reshape(-1), right.reshape(-1)
-        parts, lifts = [], []
-        for b in self.wet:
-            one = self.liquid.immersed.fluxes[self.place[b]]
-            liquid = flat[one.cells] != 0.0
-            cells, J = one.cells[liquid], one.J[liquid]
-            closed = np.broadcast_to(self.liquid.immersed.closed, len(self.movers))[self.place[b]]
-            parts.append(BodyFluxes(cells, closed_sum(J) if closed else J, one.lift[liquid]))
-            lifts.append(weight_of_displaced(one, liquid, rho, self.model.gravity))
-        self.lifts = np.array(lifts)
+        parts = [self._wet_part(b, flat) for b in self.wet]
+        self.lifts = np.array([self.parts[b][2] for b in self.wet])
         self.free = (self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.lifts)).reshape(-1)
         W = block_diagonal(self.each_inverse)
         if self.films is not None:
@@ -302,6 +295,21 @@ class WetBodies:
             into[part.cells] -= part.J @ (self.start[6 * n : 6 * n + 6] - self.expected[n])
         self.coupling = Coupling(parts, W, rho)
         return self.coupling
+
+    def _wet_part(self, b: int, diagonal: np.ndarray) -> BodyFluxes:
+        """Body b's fluxes in the cells of the equation, diagonal (mesh, flat) != 0; found anew only where these change
+        between the solutions of a step."""
+        k, immersed = self.place[b], self.liquid.immersed
+        one = immersed.fluxes[k]
+        liquid = diagonal[one.cells] != 0.0
+        known = self.parts.get(b)
+        if known is None or not np.array_equal(known[0], liquid):
+            J = one.J[liquid]
+            closed = np.broadcast_to(immersed.closed, len(self.movers))[k]
+            part = BodyFluxes(one.cells[liquid], closed_sum(J) if closed else J, one.lift[liquid])
+            weight = weight_of_displaced(one, liquid, self.model.fluid.rho, self.model.gravity)
+            known = self.parts[b] = liquid, part, weight
+        return known[1]
 
     def contacts_changed(self, q: np.ndarray) -> bool:
         """See projection.Couple."""

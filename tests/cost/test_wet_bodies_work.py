@@ -86,3 +86,20 @@ def test_added_mass_of_rough_solutions(monkeypatch):
     assert (np.abs(rough - exact) <= 1e-4 * size).all()
     assert (np.abs(exact - np.diag(exact.diagonal())) / size).max() > 0.01
     assert cycles <= 24
+
+
+def test_added_mass_of_a_ball_takes_three_solutions():
+    """Its turns move no liquid: their fluxes, 1e-16 of those of its ways, are round-off. Six would be solved for it."""
+    scene = Counted(spheres(1, 0.5, full=False, cells=24, across=8))
+    scene.steps(1)
+    bodies, projector = scene.world.wet_bodies, scene.world.liquid.projector
+    solved = []
+
+    def solve(*arguments):
+        solved.append(arguments)
+        return projector.respond(*arguments)
+
+    A = added_mass(bodies.coupling.fluxes[0], solve, projector.q.shape, 1000.0)
+    assert len(solved) == 3
+    assert (A.diagonal()[:3] > 0.0).all()
+    assert not A[3:].any() and not A[:, 3:].any()

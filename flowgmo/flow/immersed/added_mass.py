@@ -22,6 +22,7 @@ import numpy as np
 
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes
 
+NOTHING = 1e-12  # of a body's largest flux, and of it times a cell for turns: round-off, of a ball that turns
 DIGITS = 1e-2  # of the first residual: measured 7e-6 to 4e-5 of A, 3 iterations a column (1e-4, without r: 5.5)
 
 
@@ -35,9 +36,7 @@ def added_mass(
     """
     out, known = np.zeros((6, 6)), {}
     cells, J = fluxes.cells, fluxes.J
-    for k in range(6):
-        if not len(cells) or not J[:, k].any():
-            continue
+    for k in np.flatnonzero(pushes(J)):
         right, q = np.zeros(shape), np.zeros(shape)
         right.reshape(-1)[cells] = -J[:, k]
         left = solve(right, q, DIGITS)
@@ -46,6 +45,14 @@ def added_mass(
         for j, (of_j, scale) in known.items():
             out[j, k] = out[k, j] = rho * (scale * left(of_j) - float(J[:, j] @ q.reshape(-1)[cells]))
     return out
+
+
+def pushes(J: np.ndarray) -> np.ndarray:
+    """(6,) whether liquid is moved at all by each of the unit velocities of fluxes J (n, 6): none by a ball that turns,
+    of which round-off is left."""
+    sizes = np.abs(J).max(axis=0, initial=0.0)
+    most = sizes[:3].max()
+    return sizes > NOTHING * most * np.repeat([1.0, np.sqrt(most)], 3)
 
 
 def wet_inverse(inverse_mass: np.ndarray, added: np.ndarray) -> np.ndarray:
