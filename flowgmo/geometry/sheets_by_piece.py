@@ -77,7 +77,12 @@ def known_by_distance(shape: Component | Solid) -> Convex:
 
 def _all_in_one(body: Component) -> Convex | None:
     """The body as what lies on the negative side of all its sheets; None where it does not."""
-    low, high = ended(*body.bounds())
+    low, high = body.bounds()
+    if not np.isfinite(high - low).all() and len(body.solids) > 1:
+        return None  # each by itself: what is cut out of a bar without an end may be anywhere
+    if not may_be_ended(body.sheets, low, high):
+        return None
+    low, high = ended(low, high)
     if not (low < high).all():
         return None
     x = low + (high - low) * spread(POINTS)
@@ -95,6 +100,14 @@ def _one_by_one(body: Component) -> tuple[list[Convex], list[int], bool]:
         pieces += found
         roles += [ROLES.index(role)] * len(found)
     return pieces, roles, exact
+
+
+def may_be_ended(sheets: Sheets, low: np.ndarray, high: np.ndarray) -> bool:
+    """Whether a piece with bounds (3,) is known where it has an end, if it has some: planes are, and round sheets along
+    the one axis on which it has none (a cylinder). What has no end at all is not."""
+    infinite = ~np.isfinite(low) | ~np.isfinite(high)
+    ends = np.isfinite(low).any() or np.isfinite(high).any()
+    return bool(not infinite.any() or ends and (not sheets.curved or infinite.sum() == 1))
 
 
 def ended(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -198,11 +211,10 @@ def _convex(solid: Solid, role: str, low: np.ndarray, high: np.ndarray) -> list[
 
     low, high (3,): of the whole body; what lies beyond them does not matter.
     """
-    points = _points(solid, low, high)
-    if points is None:
+    sheets, points = sheets_of_solid(solid), _points(solid, low, high)
+    if points is None or not may_be_ended(sheets, *Solid(solid.shape, 1.0, np.eye(3), np.zeros(3)).bounds()):
         return None
     x, middle, size = points
-    sheets = sheets_of_solid(solid)
     found = _bounded_by(sheets, x, solid.distance, middle, size)
     if found is not None:
         return [found]

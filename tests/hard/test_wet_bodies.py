@@ -75,7 +75,11 @@ SCENES = {
     "pile": (0.07, 0.1, FAST),  # .004 to .03, .04, 7 to 49
     "piston": (0.25, 0.01, FAST),  # .13, 1e-5 to .002, 1 to 3
     "plug": (0.12, 0.04, FAST),  # .06; .09 where liquid beside the plug does not count as moving with it, .02, 2
-    "plug_free": (0.3, 0.2, FAST),  # .09 to .13, .05 to .13, 4 to 7; 46 where a cell that nearly closes kept a debt
+    "plug_free": (
+        0.6,
+        0.2,
+        FAST,
+    ),  # .06 to .42 with five g a hair apart, .05 to .18, 1 to 10; 46 where a cell that nearly closes kept a debt
     "shell": (0.1, 0.1, FAST),  # .03, .05, 5
     "slam": (0.04, 0.25, FAST),  # .02, .17, 3: the sweeps of a jet at a Courant number of .5
     "slam_driven": (0.01, 1e-4, FAST),  # 2e-13, 2e-5, 4; .07 where the plate's velocity counts before the water has it
@@ -92,8 +96,8 @@ STREAMS = {  # over, speed; the streams bring energy
 }
 RELEASED = {
     "0.001": (0.25, 0.1, FAST),  # .06 to .17, .05, 4 to 6
-    "0.01": (0.1, 0.1, FAST),  # .01 to .05, .05, 5
-    "0.1": (0.15, 0.1, FAST),  # .03 to .09, .08, 5 to 7
+    "0.01": (0.25, 0.1, FAST),  # .02 to .12 with five g a hair apart, .05, 4 to 10
+    "0.1": (0.25, 0.1, FAST),  # .02 to .17, .08, 3 to 7
     "0.5": (0.02, 0.12, FAST),  # .004, .07, 2
     "0.9": (0.15, 0.03, FAST),  # .10, .02, .6: of a kinetic energy of 1e-4 of the potential one
     "1.1": (0.3, 0.03, FAST),  # .14 to .18, .015, .6 to .9, likewise

