@@ -76,6 +76,7 @@ class WetBodies:
         ) if n > 1)  # fmt: skip
         self.velocities = np.zeros((len(self.movers), 6))
         liquid.immersed.weight = model.fluid.rho * np.asarray(model.gravity)
+        liquid.immersed.rho = model.fluid.rho
         liquid.immersed.gravity = np.asarray(model.gravity, float)
         liquid.immersed.solved = np.isin(self.movers, self.coupled)
         liquid.immersed.no_exit = not any(plan.kind not in (SYMMETRY, WALL) for plan in liquid.sides.plans)
@@ -142,7 +143,7 @@ class WetBodies:
         self._bound_edges(dt)
         self.liquid.find_columns(flow.F)
         self._meet_walls(flow, motion, t0, t1, places, held)
-        self.liquid.immersed.fill_short(self.liquid.faces, flow.F)
+        self.liquid.immersed.fill_short(self.liquid.faces, flow, dt)
 
     def _bound_edges(self, dt: float) -> None:
         """What the waterline adds to the load of a body (waterline.py) has no liquid in the pressure equation whose

@@ -21,7 +21,7 @@ stays uniform to round-off.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -36,6 +36,7 @@ from flowgmo.flow.immersed.fresh import mean_around
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.immersed.moving_walls import spin_resistance, wall_faces
 from flowgmo.flow.immersed.short_cells import ShortCells
+from flowgmo.flow.immersed.torn import Around, torn
 from flowgmo.flow.immersed.volume_change import VolumeChange
 from flowgmo.flow.pressure.face_flows import PUSH
 from flowgmo.kernel import kernel
@@ -44,6 +45,13 @@ if TYPE_CHECKING:
     from flowgmo.flow.momentum.momentum import Momentum
 
 NARROW = 0.01  # of a face
+
+
+class Driven(NamedTuple):
+    """Whether prescribed bodies cover some of cells (n,), and their largest speeds [length/time] there (n,)."""
+
+    any: np.ndarray
+    speeds: np.ndarray
 
 
 @kernel
@@ -75,6 +83,7 @@ class Immersed:
         self.open = covers.mean
         self.weight = np.zeros(3)  # of the liquid, rho g
         self.gravity = np.zeros(3)
+        self.rho = 1.0
         self.swept = None
         self.cells = np.zeros((0, 3), np.int32)
         self.sorted = None  # numbers of the cells whose open fractions were other than `covers` has them: not yet any
@@ -101,7 +110,7 @@ class Immersed:
         self.cells, rows = swept.cells, tuple(swept.cells.T)
         self.change = VolumeChange(rows, swept.V0, swept.V1, self.open.V)
         volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
-        self.growth = (swept.V1 - swept.V0) * volumes
+        self.volumes, self.growth = volumes, (swept.V1 - swept.V0) * volumes
         if before is not swept:
             grown = self._numbers(self.cells), self.growth
             args = self.grid, self.centres, places, velocities, centres, dt
@@ -110,7 +119,8 @@ class Immersed:
         self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
         self.closed = flow.F is None and (self.solved & self.no_exit | inside)
         self._widen_gaps()
-        self._uncover_cells(flow)
+        self.driven_by = self._find_driven(places, velocities)
+        self._uncover_cells(flow, dt)
         self.beyond = np.zeros(len(swept.V0))
         if flow.F is not None:
             self.beyond = np.maximum(flow.F[rows] - 1.0, 0.0) * (self.change.most - swept.V0) * volumes
@@ -182,16 +192,36 @@ class Immersed:
                 narrow(numbers - (1 - upper) * step, faces, factors, 2 * d + upper, out)
         return shares._replace(faces=out)
 
-    def _uncover_cells(self, flow: Flow) -> None:
-        """F and p of cells that were closed: of what is around them."""
+    def _uncover_cells(self, flow: Flow, dt: float) -> None:
+        """F and p of cells that were closed: of what is around them, or void (torn.py)."""
         closed = self.change.V0 == 0.0
         at = self.cells[closed]
         self._uncover_pressure(flow.p, at)
         if flow.F is None:
             return
-        inside = np.ones_like(flow.F[tuple(at.T)])
         mean, weight = mean_around(flow.F, self.covers.open.V, at)
-        flow.F[tuple(at.T)] = np.where(weight > 0.0, mean, inside * 0.0)
+        void = self._torn(flow, closed, self.growth / dt)[closed] | (weight == 0.0)
+        flow.F[tuple(at.T)] = np.where(void, 0.0, mean)
+
+    def _torn(self, flow: Flow, which: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """(n,) bool: of `which` (n,) bool of the cells, those that prescribed bodies open and liquid cannot fill with
+        rates (n,) [length3/time]."""
+        some = which & self.driven_by.any & (self.growth > 0.0)
+        if some.any():
+            around = Around(self.covers.open.V, self.open[1:], flow.F, flow.p)
+            some[some] = torn(self.cells[some], rates[some], self.driven_by.speeds[some], around, self.grid, self.rho)
+        return some
+
+    def _find_driven(self, places: np.ndarray, velocities: np.ndarray) -> Driven:
+        """Where prescribed bodies cover some of the cells, and the largest speed (n,) of these there."""
+        numbers, found = self._numbers(self.cells), Driven(np.zeros(len(self.cells), bool), np.zeros(len(self.cells)))
+        for k in np.flatnonzero(~self.solved):
+            covered = self.shares[k].cells[self.swept.covered[k] > 0.0]
+            at, U = np.searchsorted(numbers, self._numbers(covered)), velocities[k]
+            r = np.column_stack([x[covered[:, d]] for d, x in enumerate(self.centres)]) - places[k]
+            found.any[at] = True
+            found.speeds[at] = np.maximum(found.speeds[at], np.linalg.norm(U[:3] + np.cross(U[3:], r), axis=1))
+        return found
 
     def _uncover_pressure(self, p: np.ndarray, at: np.ndarray) -> None:
         """p of cells at (n, 3) that were closed: of what is around, but for the weight of the liquid between.
@@ -259,9 +289,16 @@ class Immersed:
         momentum.move_walls(found)
         return found
 
-    def fill_short(self, columns: np.ndarray, F: np.ndarray | None) -> None:
-        """Cells of columns that lack a little are full in F until `restore_short` (short_cells.py)."""
-        self.short = None if F is None else ShortCells(columns, F, self.open.V, self.open[1:])
+    def fill_short(self, columns: np.ndarray, flow: Flow, dt: float) -> None:
+        """Cells of columns that lack a little are full in F until `restore_short` (short_cells.py), but for voids that
+        bodies open (torn.py)."""
+        if flow.F is None:
+            self.short = None
+            return
+        rows = tuple(self.cells.T)
+        lacks = PUSH * (1.0 - flow.F[rows]) * self.covers.open.V[rows] * self.volumes
+        void = self._torn(flow, flow.F[rows] < 0.5, (self.growth + lacks) / dt)
+        self.short = ShortCells(columns, flow.F, self.open.V, self.open[1:], self._numbers(self.cells[void]))
 
     def restore_short(self) -> None:
         """F as it is again; once for each `fill_short`."""

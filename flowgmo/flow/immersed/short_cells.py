@@ -60,20 +60,25 @@ def _list_short(columns, F, V, Ax, Ay, Az, most, cells):
 
 
 class ShortCells:
-    """Those of one step: cells, an index of arrays of mesh size, and what they lack (n,) [-]."""
+    """Those of one step: cells, an index of arrays of mesh size, and what they lack (n,) [-]. Voids are void until
+    `restore`: what little they hold is no liquid for the pressure, wherever it lies."""
 
-    def __init__(self, columns: np.ndarray, F: np.ndarray, V: np.ndarray, areas: tuple) -> None:
-        """Find them in columns, and make F full there until `restore`."""
+    def __init__(self, columns: np.ndarray, F: np.ndarray, V: np.ndarray, areas: tuple, voids: np.ndarray) -> None:
+        """Find them in columns, and make F full there until `restore`. voids: flat index of cells that are empty."""
         found = np.empty((SOME, 3), np.int64)
         count = _list_short(columns, F, V, *areas, SMALL, found)
         if count > SOME:
             found = np.empty((count, 3), np.int64)
             _list_short(columns, F, V, *areas, SMALL, found)
-        self.cells, self.F = tuple(found[:count].T), F
-        self.held = F[self.cells]
-        self.lack = 1.0 - self.held
-        F[self.cells] = 1.0
+        numbers = np.ravel_multi_index(tuple(found[:count].T), F.shape)
+        if len(voids):
+            numbers = numbers[~np.isin(numbers, voids)]
+        self.cells, self.F = np.unravel_index(numbers, F.shape), F.reshape(-1)
+        self.changed = np.concatenate([numbers, voids])
+        self.held = self.F[self.changed]
+        self.lack = 1.0 - self.F[numbers]
+        self.F[numbers], self.F[voids] = 1.0, 0.0
 
     def restore(self) -> None:
         """F as it is."""
-        self.F[self.cells] = self.held
+        self.F[self.changed] = self.held
