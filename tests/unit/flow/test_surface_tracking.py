@@ -35,16 +35,36 @@ def vortex(n, sub=32):
     return error, volume(F, grid) / volume(start, grid) - 1, over, under
 
 
-@pytest.mark.parametrize(("n", "bound"), [(32, 0.075), (64, 0.013)])
+@pytest.mark.parametrize(("n", "bound"), [(32, 0.06), (64, 0.0098)])
 def test_disc_in_a_reversed_vortex(n, bound):
-    """Error .0632, .0118 and, at 128, .0024; plicRDF has .035, .0082, .0023. The disc is drawn into a thread 3/4 of a
-    cell wide at 32 cells, which no plane can hold: least squares over all normals gives .058 there (.0075 at 64), and
-    where it tears is chance (.051 with another order of summation). Heights wherever they exist: .0130 at 64.
+    """Error .0583, .0069 and, at 128, .0014; plicRDF has .035, .0082, .0023. The disc is drawn into a thread 3/4 of a
+    cell wide at 32 cells, which no plane can hold, and where it tears is chance (.057 to .060 with steps a few per cent
+    shorter); at 64 the bound is 1.2 x plicRDF's. Without line_fit.py .0632, .0118; sound heights before all: .0130.
     Over- and underfull by round-off only: the bound of Weymouth and Yue holds."""
     error, change, over, under = vortex(n)
     assert error <= bound
     assert abs(change) <= 1e-13
     assert over <= 1e-14 and under >= -1e-14
+
+
+def test_a_carried_disc_converges():
+    """There and back by .3 of the domain in three directions, discs 12, 24 and 48 cells across: error over area .0066,
+    .0013, .00025 along the diagonal, order 2.3 (1 m/s by 1/2: .0057, .0010, .00025; 1/10: .0022, .0004, .00015). Lines
+    of least misfit everywhere: .0065, .0020, .00036; what falls behind in the choice of the estimate costs order."""
+    for across, most in ((0.9, (0.0072, 0.00145, 0.00028)), (0.5, (0.0062, 0.00115, 0.00028))):
+        errors = [_carried_disc(n, 1.0, across) for n in (24, 48, 96)]
+        assert (np.array(errors) <= most).all()
+        assert np.log2(errors[0] / errors[2]) / 2 >= 2.0
+
+
+def _carried_disc(n, u, w):
+    block, grid, shape = mesh(even(n), [0, 0.1], even(n))
+    F = fractions(block, lambda x, y, z: (x - 0.35) ** 2 + (z - 0.33) ** 2 + 0 * y < 0.25**2, 32)
+    start, q = F.copy(), (np.full(shape, u), None, np.full(shape, w))
+    count = int(np.ceil(0.3 * largest_cfl(q, grid) / 0.5))
+    back = (-q[0], None, -q[2])
+    carry(F, grid, [(q, 0.3 / count)] * count + [(back, 0.3 / count)] * count)
+    return np.abs(F - start)[2:-2, 2, 2:-2].sum() / start[2:-2, 2, 2:-2].sum()
 
 
 def _rotation(block):
