@@ -26,15 +26,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flowgmo.bodies.kicks import control_loads_at
-from flowgmo.flow.observe.beside_bodies import beside_bodies
 from flowgmo.flow.observe.body_loads import pressure_loads
-from flowgmo.flow.observe.momenta import momentum_of
 from flowgmo.flow.observe.side_forces import Pressed, by_shear, by_sides, by_solids
 from flowgmo.mesh import PERIODIC, SYMMETRY, WALL
-from flowgmo.world import poses_of
 
 if TYPE_CHECKING:
-    from flowgmo.flow.observe.loads import Wall
+    from flowgmo.flow.observe.watch import Watch
     from flowgmo.model import Model
     from flowgmo.state import State
     from flowgmo.wet_bodies import WetBodies
@@ -44,10 +41,12 @@ GRAVITY, WALLS, PRESCRIBED, CONTACTS, LOADS, STREAMS = range(len(GIVERS))
 
 
 class MomentumBook:
-    """Of one scene. walls: of the solids that stand still. Flow.momenta (7, 3) holds it: the total at t = 0, GIVERS."""
+    """Of one scene. watch: knows the liquid as a whole, and the walls of solids that stand still. Flow.momenta (7, 3)
+    holds the book: the total at t = 0, GIVERS."""
 
-    def __init__(self, model: Model, bodies: WetBodies, walls: list[Wall]) -> None:
-        self.model, self.bodies, self.walls, self.liquid = model, bodies, walls, bodies.liquid
+    def __init__(self, model: Model, bodies: WetBodies, watch: Watch) -> None:
+        self.model, self.bodies, self.watch, self.liquid = model, bodies, watch, bodies.liquid
+        self.walls = list(watch.walls.values())
         self.kinds = [side.kind for side in model.fluid.sides]
         self.there = np.array(self.liquid.present, dtype=float)  # the liquid of other directions has no momentum
         has = {
@@ -59,34 +58,25 @@ class MomentumBook:
         }
         self.given = [name for name in GIVERS if has.get(name, True)]
         self.answered = np.zeros((len(GIVERS), 3)), np.zeros(3)
-        self._kept: tuple[int, np.ndarray] | None = None
 
     # ---- what there is
 
-    def total(self, state: State) -> np.ndarray:
-        """(3,) [mass length/time] of the liquid and the coupled bodies as they stand."""
-        if self._kept is None or self._kept[0] != state.step:
-            liquid, covers = self.liquid, self.liquid.immersed.covers
-            mass, coupled = self.bodies.arrays["mass"], self.bodies.coupled
-            own = (mass[coupled, None] * state.v_WB[coupled]).sum(axis=0)
-            rho, flow, m = liquid.plan.rho, state.fluid, self.bodies.movers
-            own += momentum_of(liquid.team, liquid.everywhere, liquid.grid, covers.open, flow, rho)
-            if state.step > 0:  # at t = 0 the liquid does not yet move with the bodies
-                U = np.hstack([state.v_WB[m], state.w_WB[m]])
-                of = covers.covers, flow, covers.open, liquid.grid, liquid.immersed.centres
-                own += rho * beside_bodies(*of, state.p_WB[m], U, self.bodies.middles(poses_of(state)))[1]
-            self._kept = state.step, own
-        return self._kept[1]
+    def total(self, state: State, beside: np.ndarray) -> np.ndarray:
+        """(3,) [mass length/time] of the liquid and the coupled bodies as they stand; beside (3,): of liquid that the
+        bodies' walls carry along."""
+        mass, coupled = self.bodies.arrays["mass"], self.bodies.coupled
+        own = (mass[coupled, None] * state.v_WB[coupled]).sum(axis=0)
+        return own + self.watch.whole(state.step, state.fluid)[1] + beside
 
     def open(self, state: State) -> None:
         """At t = 0: nothing was given."""
         state.fluid.momenta = np.zeros((1 + len(GIVERS), 3))
-        state.fluid.momenta[0] = self.total(state)
+        state.fluid.momenta[0] = self.total(state, self.bodies.carried_along(state)[1])
 
-    def values(self, state: State) -> dict[str, np.ndarray]:
-        """As in history.h5."""
+    def values(self, state: State, beside: np.ndarray) -> dict[str, np.ndarray]:
+        """As in history.h5; beside as in `total`."""
         start, given = state.fluid.momenta[0], state.fluid.momenta[1:]
-        total = self.total(state)
+        total = self.total(state, beside)
         out = {"momentum/total": total.copy()}
         out |= {f"momentum/{name}": given[GIVERS.index(name)].copy() for name in self.given}
         return out | {"momentum/remainder": total - start - given.sum(axis=0)}

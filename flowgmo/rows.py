@@ -68,17 +68,18 @@ def make_rows(
     )
 
 
-def wet_energy(world: World, state: State, liquid: dict) -> dict[str, float]:
+def wet_energy(world: World, state: State, liquid: dict, beside: float) -> dict[str, float]:
     """`energy/...` of an instant of a scene whose bodies move in liquid: coupled bodies and liquid together.
 
-    liquid: its values, as of flow/observe/watch.py. The remainder is what the step's method makes or loses: the
-    liquid's advection, surface and friction, the impulsive start of bodies, U of the end of the step along its way, and
-    what open sides of the domain bring. `fluid/kinetic_energy` comes back with what the liquid beside the bodies has.
+    liquid: its values, as of flow/observe/watch.py; beside [energy]: of what the bodies' walls carry along. The
+    remainder is what the step's method makes or loses: the liquid's advection, surface and friction, the impulsive
+    start of bodies, U of the end of the step along its way, and what open sides of the domain bring.
+    `fluid/kinetic_energy` comes back with what the liquid beside the bodies has.
     """
     coupled, arrays = coupled_bodies(world.model), world.arrays
     kinetic = kinetic_energy(arrays, state.q_WB[None], state.v_WB[None], state.w_WB[None])[0, coupled].sum()
     potential = potential_energy(arrays, state.p_WB[None])[0, coupled].sum()
-    of_liquid = liquid["fluid/kinetic_energy"] + _beside_bodies(world, state)
+    of_liquid = liquid["fluid/kinetic_energy"] + beside
     energy = {
         "kinetic": float(kinetic) + of_liquid,
         "potential": float(potential) + liquid["fluid/potential_energy"],
@@ -89,18 +90,6 @@ def wet_energy(world: World, state: State, liquid: dict) -> dict[str, float]:
         remainder -= sign * energy[name]
     energy["remainder"] = remainder
     return {"fluid/kinetic_energy": of_liquid} | {ENERGY + name: value for name, value in energy.items()}
-
-
-def _beside_bodies(world: World, state: State) -> float:
-    """Kinetic energy of liquid that the walls of moving bodies carry along; at t = 0 they have not yet begun to."""
-    from flowgmo.flow.observe.beside_bodies import beside_bodies
-
-    if state.step == 0:
-        return 0.0
-    around, m = world.liquid.immersed, world.wet_bodies.movers
-    U, middles = np.hstack([state.v_WB[m], state.w_WB[m]]), world.wet_bodies.middles(poses_of(state))
-    of = around.covers.covers, state.fluid, around.covers.open, world.liquid.grid, around.centres
-    return world.model.fluid.rho * beside_bodies(*of, state.p_WB[m], U, middles)[0]
 
 
 def _residuals(

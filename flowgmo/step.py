@@ -75,7 +75,7 @@ def prepare(model: Model) -> World:
     if wet is not None and wet.explicit is None:
         from flowgmo.momentum_book import MomentumBook
 
-        momentum = MomentumBook(model, wet, list(watch.walls.values()))
+        momentum = MomentumBook(model, wet, watch)
     return World(
         model=model,
         arrays=arrays,
@@ -245,16 +245,21 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
 
 
 def liquid_values(world: World, state: State) -> dict:
-    """What is recorded of the liquid as it stands; {} in a dry scene."""
+    """What is recorded of the liquid as it stands, found once a step; {} in a dry scene."""
     if world.watch is None:
         return {}
+    if world.measured is not None and world.measured[0] == state.step:
+        return world.measured[1]
     began, flow = time.perf_counter(), state.fluid
     values = world.watch.at(state.step, flow, flow.start_volume, flow.passed)
     if world.wet_bodies is not None:
         wet = world.wet_bodies
-        values = values | wet.records.wet_parts(flow, wet.names, state.p_WB) | wet_energy(world, state, values)
-    if world.momentum is not None:
-        values = values | world.momentum.values(state)
+        kinetic, momentum = wet.carried_along(state)
+        values = values | wet.records.wet_parts(flow, wet.names, state.p_WB)
+        values = values | wet_energy(world, state, values, kinetic)
+        if world.momentum is not None:
+            values = values | world.momentum.values(state, momentum)
+    world.measured = state.step, values
     booked = "gauges" if "gauges" in world.seconds else KERNELS
     world.seconds.setdefault("gauges", 0.0)
     world.seconds[booked] = world.seconds.get(booked, 0.0) + time.perf_counter() - began

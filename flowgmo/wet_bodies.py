@@ -44,6 +44,7 @@ from flowgmo.wet_explicit import Explicit
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
 from flowgmo.wet_stops import let_go
+from flowgmo.world import poses_of
 
 if TYPE_CHECKING:
     from flowgmo.film import Film, StepFilms
@@ -141,9 +142,9 @@ class WetBodies:
             flow, self.poses(then), self.poses(middle), places, self.velocities, self.middles(then), dt
         )
         self._bound_edges(dt)
-        self.liquid.find_columns(flow.F)
+        self.liquid.find_columns(flow.F, self.liquid.immersed.uncovered)
         self._meet_walls(flow, motion, t0, t1, places, held)
-        self.liquid.immersed.fill_short(self.liquid.faces, flow, dt)
+        self.liquid.immersed.fill_short(self.liquid.team, self.liquid.faces, flow, dt)
 
     def _bound_edges(self, dt: float) -> None:
         """What the waterline adds to the load of a body (waterline.py) has no liquid in the pressure equation whose
@@ -291,7 +292,7 @@ class WetBodies:
             W, self.free = self.films.squeeze.soften(W, self.free)
         self.free_inverse, self.start = W, self.free
         if self.contacts is not None:
-            W, self.start, self.inverse = constrain(W, self.free, *self.contacts.pressed())
+            W, self.start, self.inverse = constrain(W, self.free, *self.contacts.pressed(), self.contacts.known)
         for n, part in enumerate(parts):
             into[part.cells] -= part.J @ (self.start[6 * n : 6 * n + 6] - self.expected[n])
         self.coupling = Coupling(parts, W, rho)
@@ -374,6 +375,10 @@ class WetBodies:
         """The error, or one that says which body presses what."""
         (block,), sealed = self.model.mesh.blocks, self.liquid.projector.sealed
         return explained(error, sealed, self.liquid.immersed, self.velocities, self.names, block)
+
+    def carried_along(self, state: State) -> tuple[float, np.ndarray]:
+        """See WetLoads.carried_along."""
+        return self.records.carried_along(state, self.middles(poses_of(state)))
 
     def poses(self, motion: np.ndarray) -> list[Pose]:
         """Of the moving bodies, from motion (n,) POSE: x = R x0 + t, x0 the place at t = 0."""

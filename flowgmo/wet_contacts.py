@@ -17,6 +17,7 @@ class Contacts:
 
     def __init__(self, rows: Rows, mu: np.ndarray, active: np.ndarray) -> None:
         self.rows, self.mu, self.active = rows, mu, active.copy()
+        self.known: dict = {}  # groups that `constrain` has solved in this step
 
     def pressed(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows and right-hand sides of those that press."""
@@ -70,7 +71,7 @@ def pressing(contacts: Contacts, inverse_mass: np.ndarray, free: np.ndarray, sla
     """(6 n,) velocities with the impulses of the contacts that press; free (6 n,) without; slack as in `look`."""
     U = free
     for _ in range(TURNS):
-        _, U, inverse = constrain(inverse_mass, free, *contacts.pressed())
+        _, U, inverse = constrain(inverse_mass, free, *contacts.pressed(), contacts.known)
         if not contacts.look(U, free, inverse, slack):
             break
     return U

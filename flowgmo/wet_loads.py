@@ -17,9 +17,11 @@ from flowgmo.bodies.arrays import FORCED
 from flowgmo.bodies.energy import rotation_matrices
 from flowgmo.bodies.kicks import control_loads_at
 from flowgmo.bodies.laws import Laws
+from flowgmo.flow.immersed.body_fluxes import cross
+from flowgmo.flow.observe.beside_bodies import beside_bodies
 from flowgmo.flow.observe.body_loads import BodyLoads, pressure_loads, resting_fluxes, wetted_area
 from flowgmo.flow.observe.buoyancy import buoyancy_centre
-from flowgmo.state import FROM_LOADS, FROM_PRESCRIBED, LOST_IN_FRICTION
+from flowgmo.state import FROM_LOADS, FROM_PRESCRIBED, LOST_IN_FRICTION, State
 
 
 class WetLoads:
@@ -99,6 +101,17 @@ class WetLoads:
             out[f"bodies/{name}/buoyancy_centre"] = centre if volume > 0.0 else p_WB[b].copy()
         return out
 
+    def carried_along(self, state: State, middles: list[np.ndarray | None]) -> tuple[float, np.ndarray]:
+        """Kinetic energy and momentum (3,) of liquid that the walls of the moving bodies carry along
+        (flow/observe/beside_bodies.py); at t = 0 they have not yet begun to. middles: of WetBodies.middles."""
+        if state.step == 0:
+            return 0.0, np.zeros(3)
+        liquid, around, m = self.liquid, self.liquid.immersed, self.movers
+        U = np.hstack([state.v_WB[m], state.w_WB[m]])
+        of = around.covers.covers, state.fluid, around.covers.open, liquid.grid, around.centres
+        kinetic, momentum = beside_bodies(*of, state.p_WB[m], U, middles)
+        return liquid.plan.rho * kinetic, liquid.plan.rho * momentum
+
     # ---- work
 
     def book(
@@ -129,7 +142,7 @@ def way_of(before: np.void, after: np.void) -> np.ndarray:
     """(6,) displacement [length] of B and rotation vector [rad], space axes, from one POSE to another."""
     w0, v0 = before["q"][0], before["q"][1:]
     w1, v1 = after["q"][0], after["q"][1:]
-    w, v = w1 * w0 + v1 @ v0, w0 * v1 - w1 * v0 - np.cross(v1, v0)  # q1 times the conjugate of q0
+    w, v = w1 * w0 + v1 @ v0, w0 * v1 - w1 * v0 - cross(v1, v0)  # q1 times the conjugate of q0
     size = float(np.linalg.norm(v))
     angle = 2.0 * np.arctan2(size, abs(w)) * (1.0 if w >= 0.0 else -1.0)
     return np.concatenate([after["p"] - before["p"], v * (angle / size) if size > 0.0 else np.zeros(3)])

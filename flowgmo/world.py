@@ -19,6 +19,7 @@ class World:
 
     wet_bodies: those that move in the liquid (wet_bodies.py); flying (n,) BODY: what the motion of bodies uses, the
     same array as `arrays` but for those; with flying_laws. momentum: its book (momentum_book.py), where they do.
+    measured: number of a step, and what was recorded of the liquid after it.
     """
 
     model: Model
@@ -36,6 +37,7 @@ class World:
     energy_at_start: float
     ledger: tuple[tuple[str, int, float], ...]
     momentum: object | None = None
+    measured: tuple[int, dict] | None = None
     seconds: dict[str, float] = field(default_factory=dict)
 
 

@@ -7,13 +7,13 @@ import numpy as np
 
 def rotation_matrices(q: np.ndarray) -> np.ndarray:
     """R_WB (..., 3, 3) of quaternions (..., 4) w x y z."""
-    w, x, y, z = np.moveaxis(q, -1, 0)
-    rows = [
+    w, x, y, z = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    rows = np.array([
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+    ])  # fmt: skip
+    return rows.transpose(*range(2, rows.ndim), 0, 1)
 
 
 def kinetic_energy(arrays: np.ndarray, q: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray:

@@ -13,7 +13,16 @@ def inverse_masses(bodies: np.ndarray, rows: np.ndarray) -> np.ndarray:
     prescribed, or held at a stop."""
     out = np.zeros((len(bodies), 6, 6))
     R = rotation_matrices(rows["q"])
-    for M, body, row, turn in zip(out, bodies, rows, R, strict=True):
+    turns = (bodies["motion"] != HINGED) & (bodies["hinge"] != 2) & bodies["coupled"][:, 3:].astype(bool).all(axis=1)
+    some = np.flatnonzero(turns)  # those that turn freely, all at once
+    moves = bodies["coupled"][some, :3].astype(bool) & (rows["hold"][some, :3] == 0)
+    out[some[:, None], np.arange(3), np.arange(3)] = moves / bodies["mass"][some, None]
+    spins = np.zeros((len(bodies), 3, 3))
+    spins[some] = np.linalg.inv(bodies["inertia"][some])
+    out[:, 3:, 3:] = R @ spins @ R.swapaxes(1, 2)
+    others = np.flatnonzero(~turns)
+    for n, body, row, turn in zip(others, bodies[others], rows[others], R[others], strict=True):
+        M = out[n]
         arm = turn @ body["arm"]
         if body["motion"] == HINGED:
             if not row["hold"][3]:

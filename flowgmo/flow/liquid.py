@@ -6,6 +6,7 @@ Bytes per cell: fields 48, open fractions 32, here 78, pressure equation 56 + 33
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 
 import numpy as np
 
@@ -89,20 +90,34 @@ class Liquid:
     def renew(self, cells: np.ndarray | None = None) -> None:
         """The open fractions have changed, of cells (n, 3) [in C order] and their lower faces, or (None) anywhere:
         sort faces and regions anew."""
-        self._found = None
+        self.team.run_rows(_do, [self.momentum.sort_faces, self.projector.renew], 1, cells)
         self.momentum.renew(cells)
-        self.projector.renew(cells)
 
     def _per_direction(self) -> list:
         return [np.zeros(self.shape) if there else None for there in self.present]
 
-    def find_columns(self, F: np.ndarray | None) -> None:
-        """Set `near`, `faces` and `about` to where the liquid is."""
-        if F is not None and F is not self._found:
+    def find_columns(self, F: np.ndarray | None, changed: tuple[np.ndarray, np.ndarray] | None = None) -> None:
+        """Set `near`, `faces` and `about` to where the liquid is. changed: cells (n, 3) of F that are others than when
+        this was last done, and what they held then (n,)."""
+        if F is not None and (F is not self._found or changed is not None and self._have_left(F, *changed)):
             self._found = F
             self.near = columns_where(F, DUST)
             self.faces = widen(self.near, 1, self.shape, self.ends)
             self.about = widen(self.near, 2, self.shape, self.ends)
+
+    def _have_left(self, F: np.ndarray, cells: np.ndarray, before: np.ndarray) -> bool:
+        """Whether other columns hold the liquid than `near`, since cells (n, 3) held `before` (n,)."""
+        now = F[tuple(cells.T)] > DUST
+        if not np.array_equal(now, before > DUST):
+            line = self.near[:, 0].astype(np.int64) * self.shape[1] + self.near[:, 1]
+            own = cells[:, 0].astype(np.int64) * self.shape[1] + cells[:, 1]
+            at = np.searchsorted(line, own).clip(0, max(len(line) - 1, 0))
+            ends = self.near[at, 2:] if len(line) else np.zeros((len(own), 2))
+            inside = (ends[:, 0] < cells[:, 2]) & (
+                cells[:, 2] < ends[:, 1] - 1
+            )  # not at an end, which may be another now
+            return not (len(line) and (line[at] == own) & inside).all()
+        return False
 
     def clear_beyond(self) -> None:
         """Zero in `predicted` where its velocities are two steps old and no liquid is near: no restart knows those."""
@@ -149,6 +164,12 @@ class Liquid:
             free = min(limit for name, limit in limits.items() if name != "growth")
             self.projector.ease = free if free < np.inf else 0.0
         return limits[self.limiting]
+
+
+def _do(works: list[Callable], first: int, last: int, *arguments: object) -> None:
+    """Some of the works, of a team."""
+    for work in works[first:last]:
+        work(*arguments)
 
 
 def inertia_rules(plan: FluidPlan, grid: Grid, gravity: np.ndarray) -> bool:

@@ -98,7 +98,7 @@ def test_no_velocity_is_kept_where_a_body_was():
             near[i, j, low:high] = True
         for u, held in zip(state.fluid.velocity, liquid.immersed.held, strict=True):
             known = near.copy()
-            known[held[0]] = True
+            known.reshape(-1)[held[0]] = True
             shown += int(known.sum() - near.sum())
             assert not u[REAL][~known[REAL]].any()
 

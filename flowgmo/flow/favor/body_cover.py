@@ -17,7 +17,7 @@ from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, cut_body
 from flowgmo.flow.favor.near_surface import ROUNDING, TOUCHING, near_cells, node_planes, reach
 from flowgmo.flow.fields import G
 from flowgmo.flow.team import Team
-from flowgmo.kernel import kernel
+from flowgmo.kernel import free_kernel, kernel
 from flowgmo.mesh import Block
 
 SHARED = 200  # cells that are one piece of work: a quarter of a millisecond
@@ -63,7 +63,7 @@ def cover_body(mesh: CoverMesh, body: Moved) -> BodyCover:
 
 def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
     """What each of the bodies covers by itself. The cells of all are shared by the threads."""
-    near = [_near(mesh, body) if body.curved else _near_closed(mesh, body) for body in bodies]
+    near = _near_bodies(mesh, bodies)
     known = [_curved(mesh, body, cells) if len(cells) else None for body, (cells, _) in zip(bodies, near, strict=True)]
     covered = [np.empty((len(cells), 7)) for cells, _ in near]
     jobs = [(n, k) for n, (cells, _) in enumerate(near) for k in range(0, len(cells), SHARED)]
@@ -130,12 +130,28 @@ def touches_side(numbers, shares, shape):
     return False
 
 
+def _near_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """_near or _near_closed of each body; the latter are shared by the threads."""
+    out = [_near(mesh, body) if body.curved else None for body in bodies]
+    closed = [n for n, body in enumerate(bodies) if not body.curved]
+
+    def find(closed: list, first: int, last: int) -> None:
+        for n in closed[first:last]:
+            out[n] = _near_closed(mesh, bodies[n])
+
+    if mesh.team is None:
+        find(closed, 0, len(closed))
+    else:
+        mesh.team.run_rows(find, closed, 1)
+    return out
+
+
 def _near_closed(mesh: CoverMesh, body: Moved) -> tuple[np.ndarray, np.ndarray]:
     """As _near, of a body whose sheets are all known by their numbers."""
     low, past = reach(mesh.block.planes, body.bounds)
     if (low >= past).any():
         return np.zeros((0, 3), np.int32), np.zeros((0, 2), np.int64)
-    index, counts = mesh.index(past - low), np.empty(2, np.int64)
+    index, counts = np.zeros(past - low, np.int32), np.empty(2, np.int64)  # of its own: threads paint side by side
     paint_body(body.planes, body.rounds, body.side, body.roles, *mesh.block.planes, low, past, index, counts)
     return _read(mesh, low, index, counts)
 
@@ -171,7 +187,7 @@ def paint(cells, boxes, low, index, counts):
     count_painted(index, counts)
 
 
-@kernel
+@free_kernel
 def read_painted(low, shape, index, cells, runs):
     """The painted cells (n, 3) in C order, and the runs (m, 2) as numbers with ghosts; index is zero on return."""
     n = np.int64(0)

@@ -12,7 +12,7 @@ import numpy as np
 from flowgmo.flow.favor.body_fold import COMPLEMENT, SOLID
 from flowgmo.flow.favor.body_values import plane_value, round_value
 from flowgmo.flow.favor.near_surface import LARGEST, ROUNDING
-from flowgmo.kernel import inner, kernel
+from flowgmo.kernel import free_kernel, inner
 
 DEPTH = 64  # blocks that wait: 7 for each of 5 sizes, and one
 
@@ -84,7 +84,7 @@ def _visit(planes, rounds, side, roles, x, y, z, low, past, stack, index, values
                     top += 1
 
 
-@kernel
+@free_kernel
 def paint_body(planes, rounds, side, roles, x, y, z, low, past, index, counts):
     """Paint index, zeros before: 1 in cells near the surface, 2 inside; planes (m, 4), rounds (q, 7).
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.kernel import inner, kernel
+from flowgmo.kernel import free_kernel, inner
 
 Array = np.ndarray
 
@@ -25,7 +25,7 @@ REACH = 3
 MARKED = np.uint8(16)  # bit of the scratch that is not used otherwise
 
 
-@kernel
+@free_kernel
 def _mark_around(cells, by, marks, lines):
     """Set MARKED in all cells within `by` of cells (n, 3) in C order; lines [i, j] = (k0, k1) that hold them."""
     nx, ny, nz = marks.shape
@@ -53,7 +53,7 @@ def _mark_around(cells, by, marks, lines):
                     marks[a, b, k] |= MARKED
 
 
-@kernel
+@free_kernel
 def _collect(low, past, marks, lines, out):
     """Columns of the marked cells into out (n, 4), as far as it reaches; returns how many there are.
 
@@ -107,7 +107,7 @@ def _before(a, b, c, i, j, k):
     return a < i or (a == i and (b < j or (b == j and c < k)))
 
 
-@kernel
+@free_kernel
 def merge_rows(old, columns, new, out, source):
     """out (m, 4): rows of old (n, 4) outside the columns, and new (k, 4), which lie in them, in C order.
 

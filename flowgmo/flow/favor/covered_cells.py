@@ -166,10 +166,21 @@ def mean_open(now, then, mean, wanted):
 
 
 @kernel
-def scale_shares(at, shares, still, total, opened, out):
-    """out (r, 7): each body's shares of faces and of the volume that are open by opened (n, 7)."""
+def add_shares(at, shares, still, total, opened, weight, cells, faces, covered):
+    """Add weight times a body's shares of the faces that are open by opened (n, 7) to faces (m, 6).
+
+    at (r,) ascending, shares (r, 7): what it covers by itself; cells (m,), ascending: of faces, all of `at` among them;
+    covered (m,) becomes its share of the volume, None: is not wanted.
+    """
+    m = np.int64(0)
     for r in range(len(at)):
         c = at[r]
+        while cells[m] < c:
+            m += 1
         for part in range(7):
-            covered = total[c, part] + (1.0 - still[c, part])
-            out[r, part] = (1.0 - opened[c, part]) * (shares[r, part] / covered) if shares[r, part] > 0.0 else 0.0
+            covers = total[c, part] + (1.0 - still[c, part])
+            share = (1.0 - opened[c, part]) * (shares[r, part] / covers) if shares[r, part] > 0.0 else 0.0
+            if part < 6:
+                faces[m, part] += weight * share
+            elif covered is not None:
+                covered[m] = share

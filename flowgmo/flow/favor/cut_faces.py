@@ -17,7 +17,7 @@ import numpy as np
 
 from flowgmo.flow.favor.changed_cells import merged, runs_around
 from flowgmo.flow.fields import G, Open
-from flowgmo.kernel import inner, kernel
+from flowgmo.kernel import free_kernel, inner
 
 Array = np.ndarray
 
@@ -43,7 +43,7 @@ NO_SOLIDS = CutFaces(None, (None, None, None))
 OPEN = np.uint8(8)  # bit of a cell that is open to the full, upper faces too
 
 
-@kernel
+@free_kernel
 def _mark_open(columns, V, Ax, Ay, Az, plain):
     """plain = OPEN where the cell and its upper faces are open to the full, else 0, in the columns' cells."""
     for c in range(columns.shape[0]):
@@ -75,7 +75,7 @@ def wet_face(F, i, j, k, ci, cj, ck):
     return max(F[i, j, k], F[i + ci, j + cj, k + ck]) > 0.0
 
 
-@kernel
+@free_kernel
 def _sort_faces(columns, A, ci, cj, ck, bit, plain):
     """Set `bit` of plain faces; returns the number of cut ones."""
     n = np.int64(0)
@@ -90,7 +90,7 @@ def _sort_faces(columns, A, ci, cj, ck, bit, plain):
     return n
 
 
-@kernel
+@free_kernel
 def _list_cut(columns, A, bit, plain, rows):
     """rows (n, 4): the open faces without `bit`."""
     n = np.int64(0)

@@ -142,10 +142,9 @@ class MovingOpenings:
         pending = self._pending
         if pending is not None and all(_same(a, b) for a, b in zip(poses, pending.poses, strict=True)):
             return pending.swept
-        covers = self._cover(poses)
+        covers, halfway = self._cover(poses, middle)
         if pending is not None and not keep_mean:
             self._put(self.mean, pending.cells, pending.now)
-        halfway = None if middle is None else self._cover(middle)
         cells, rows0, rows1, rows_m = self._touched(covers, halfway)
         if keep_mean:
             self._left = self._left or pending
@@ -208,16 +207,20 @@ class MovingOpenings:
         put_openings.mirror_cells(cells, fields.V, -1)
         self._put(fields, cells, opened)
 
-    def _cover(self, poses: Sequence[Pose]) -> list[BodyCover]:
-        """What the bodies cover in these poses, known already where they are there or were swept there."""
-        out = [self._known(b, pose) for b, pose in enumerate(poses)]
-        missing = [b for b, cover in enumerate(out) if cover is None]
-        found = cover_bodies(self._mesh, [self._bodies[b].moved(poses[b]) for b in missing])
-        for b, cover in zip(missing, found, strict=True):
-            target = self._targets[b]
+    def _cover(
+        self, poses: Sequence[Pose], middle: Sequence[Pose] | None
+    ) -> tuple[list[BodyCover], list[BodyCover] | None]:
+        """What the bodies cover in these poses and in the middle ones, known already where they are there or were swept
+        there."""
+        every = [*enumerate(poses), *enumerate(middle or ())]
+        out = [self._known(b, pose) for b, pose in every]
+        missing = [n for n, cover in enumerate(out) if cover is None]
+        found = cover_bodies(self._mesh, [self._bodies[b].moved(pose) for b, pose in (every[n] for n in missing)])
+        for n, cover in zip(missing, found, strict=True):
+            target = self._targets[every[n][0]]
             keep = target is None or cover.volume == target or not _inside(cover, self._mesh)
-            out[b] = cover if keep else keep_volume(self._mesh, cover, target)
-        return out
+            out[n] = cover if keep else keep_volume(self._mesh, cover, target)
+        return out[: len(poses)], None if middle is None else out[len(poses) :]
 
     def _known(self, b: int, pose: Pose) -> BodyCover | None:
         if _same(pose, self._poses[b]):
@@ -307,12 +310,7 @@ def _mean_shares(
     at = covered_cells.united([rows.at for rows in times])
     faces, covered = np.zeros((len(at), 6)), np.zeros(len(at))
     for n, (rows, part, weight) in enumerate(zip(times, parts, weights, strict=True)):
-        shares = np.empty((len(rows.at), 7))
-        covered_cells.scale_shares(*rows, *part, shares)
-        where = np.searchsorted(at, rows.at)
-        faces[where] += weight * shares[:, :6]
-        if n == 0:
-            covered[where] = shares[:, 6]
+        covered_cells.add_shares(*rows, *part, weight, at, faces, covered if n == 0 else None)
     some = wanted[at]
     return Shares(cells[at[some]], faces[some]), covered[some]
 

@@ -18,7 +18,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
+
+from flowgmo.kernel import inner, kernel
 
 SMALLEST = 1e-6  # of the largest singular value of N sqrt(W): rows that say the same
 
@@ -73,32 +74,71 @@ def rows_of_contacts(
 
 
 def constrain(
-    inverse_mass: np.ndarray, start: np.ndarray, rows: np.ndarray, speed: np.ndarray
+    inverse_mass: np.ndarray, start: np.ndarray, rows: np.ndarray, speed: np.ndarray, known: dict | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """W' (6 n, 6 n), U*' (6 n,) and (N W N^T)^+ (m, m): lambda = - that (N U - speed), U without the contacts.
 
     inverse_mass W (6 n, 6 n), start U* (6 n,), rows (m, 6 n) with right-hand sides speed (m,). Bodies that no row and
-    nothing in W joins are solved apart: the cost goes with the cube of the largest group, not of all of them.
+    nothing in W joins are solved apart: the cost goes with the cube of the largest group, not of all of them. known:
+    solutions of groups by all that they depend on, looked up and added to: between the solutions of a step few change.
     """
     if not len(rows):
         return inverse_mass, start, np.zeros((0, 0))
     W, U, inverse = inverse_mass.copy(), start.copy(), np.zeros((len(rows), len(rows)))
+    known = {} if known is None else known
     for of_rows, of_bodies in _groups(inverse_mass, rows):
-        own, among = np.ix_(of_bodies, of_bodies), np.ix_(of_rows, of_rows)
-        part = rows[np.ix_(of_rows, of_bodies)]
-        W[own], U[of_bodies], inverse[among] = _constrain_group(
-            inverse_mass[own], start[of_bodies], part, speed[of_rows]
-        )
+        own, among = (of_bodies[:, None], of_bodies), (of_rows[:, None], of_rows)
+        parts = inverse_mass[own], start[of_bodies], rows[of_rows[:, None], of_bodies], speed[of_rows]
+        key = tuple(part.tobytes() for part in parts)
+        if key not in known:
+            known[key] = _constrain_group(*parts)
+        W[own], U[of_bodies], inverse[among] = known[key]
     return W, U, inverse
+
+
+@inner
+def _touch(values, body):
+    """Whether any of values (6 n,) of a body is not 0."""
+    for c in range(6 * body, 6 * body + 6):
+        if values[c] != 0.0:
+            return True
+    return False
+
+
+@inner
+def _first(group, a):
+    """The first body of a's group."""
+    while group[a] != a:
+        a = group[a]
+    return a
+
+
+@kernel
+def _join(rows, inverse_mass, group, of_rows):
+    """group (n,), which begins with every body apart: the first body of each one's group; of_rows (m,): of each row's,
+    0 where it touches none."""
+    for r in range(len(rows) + len(inverse_mass)):
+        values = rows[r] if r < len(rows) else inverse_mass[r - len(rows)]
+        before = np.int64(-1) if r < len(rows) else np.int64((r - len(rows)) // 6)
+        for body in range(len(group)):
+            if _touch(values, body):
+                if before >= 0:
+                    a, b = _first(group, before), _first(group, np.int64(body))
+                    group[max(a, b)] = min(a, b)
+                before = np.int64(body)
+        if r < len(rows):
+            of_rows[r] = max(before, 0)
+    for body in range(len(group)):
+        group[body] = _first(group, np.int64(body))
+    for r in range(len(rows)):
+        of_rows[r] = group[of_rows[r]]
 
 
 def _groups(inverse_mass: np.ndarray, rows: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """(rows, components of U) of each group of bodies that rows or W join; only groups with rows."""
-    n = len(inverse_mass) // 6
-    touched = rows.reshape(-1, n, 6).any(axis=2)
-    joined = touched.T.astype(np.int64) @ touched + inverse_mass.reshape(n, 6, n, 6).any(axis=(1, 3))
-    _, group = connected_components(joined, directed=False)
-    of_rows = group[touched.argmax(axis=1)]
+    group = np.arange(len(inverse_mass) // 6)
+    of_rows = np.empty(len(rows), np.int64)
+    _join(np.ascontiguousarray(rows), np.ascontiguousarray(inverse_mass), group, of_rows)
     number = np.repeat(group, 6)
     return [(np.flatnonzero(of_rows == g), np.flatnonzero(number == g)) for g in np.unique(of_rows)]
 

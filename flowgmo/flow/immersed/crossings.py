@@ -27,6 +27,8 @@ import numpy as np
 
 from flowgmo.flow.favor.shares import Shares, wall_areas
 from flowgmo.flow.fields import Grid, Open
+from flowgmo.flow.immersed.body_fluxes import cross
+from flowgmo.kernel import kernel
 
 AMISS = 0.03  # of what a wall sweeps in a cell: less is what the mean of three leaves of walls that pass gradually
 JUMP = 0.01  # of a face: those whose openings hardly change in the step are not passed by a wall
@@ -58,7 +60,7 @@ def mend_crossings(
         found = np.searchsorted(numbers, own)
         r, faces = volume[found], one.faces.copy()
         for d, A in enumerate(opened[1:]):
-            _mend(d, A, now[1 + d], one.cells, own, faces, r, grid, dt * speeds[b])
+            _mend(d, A, now[1 + d], own, faces, r, grid, dt * speeds[b])
         volume[found] = r
         if not np.array_equal(faces, one.faces):
             out[b] = one._replace(faces=faces)
@@ -70,35 +72,59 @@ def wall_speeds(r: np.ndarray, U: np.ndarray, middle: np.ndarray | None) -> np.n
     and of bodies of revolution about their axis. U (6,), middle as in body_fluxes."""
     v, w = U[:3], U[3:]
     if middle is None:
-        return v + np.cross(w, r)
+        return v + cross(w, r)
     if middle.ndim == 1:
-        return np.broadcast_to(v + np.cross(w, middle), r.shape)
+        return np.broadcast_to(v + cross(w, middle), r.shape)
     point, axis = middle
-    return v + np.cross(w, r) - (w @ axis) * np.cross(axis, r - point)
+    return v + cross(w, r) - (w @ axis) * cross(axis, r - point)
+
+
+@kernel
+def _find_passed(d, own, step, r, way, A, before, dx, dy, dz, ny, nz, low, high, much, swept):
+    """Fill low, high (n,) with positions, in own (n,), of the cells below and above the faces along d that a wall has
+    passed at once, much and swept (n,) [length3] with what they are to take over and what the wall sweeps there;
+    returns how many. r (n,), way (n, 3) as of _mend; A, before: flat, of the faces along d."""
+    count = np.int64(0)
+    m = np.int64(0)
+    for n in range(len(own)):
+        while m < len(own) and own[m] < own[n] + step:
+            m += 1
+        if m == len(own):
+            break
+        if own[m] != own[n] + step or not r[n] * r[m] < 0.0 or not abs(A[own[n]] - before[own[n]]) > JUMP:
+            continue
+        i, j, k = own[n] // (ny * nz), own[n] // nz % ny, own[n] % nz
+        volume = dx[i] * dy[j] * dz[k]
+        area = volume / (dx[i] if d == 0 else (dy[j] if d == 1 else dz[k]))
+        far = 0.0
+        for e in range(3):
+            far = max(far, abs(0.5 * (way[n, e] + way[m, e])))
+        along = 0.5 * (way[n, d] + way[m, d])
+        shared = min(abs(r[n]), abs(r[m]))
+        if abs(along) > ALONG * far and far * area > SLOW * volume and shared > AMISS * abs(area * along):
+            low[count] = n
+            high[count] = m
+            much[count] = shared if r[n] > 0.0 else -shared
+            swept[count] = area * along
+            count += 1
+    return count
 
 
 def _mend(
-    d: int, A: np.ndarray, before: np.ndarray, cells: np.ndarray, own: np.ndarray, faces: np.ndarray, r: np.ndarray,
-    grid: Grid, way: np.ndarray,
+    d: int, A: np.ndarray, before: np.ndarray, own: np.ndarray, faces: np.ndarray, r: np.ndarray, grid: Grid,
+    way: np.ndarray,
 ) -> None:  # fmt: skip
-    """Along d, of one body: faces (n, 6), r (n,) [length3] of its cells and the areas A are changed. before: areas at
-    the start; way (n, 3) [length] of the wall in the step."""
-    if not len(own):
-        return
+    """Along d, of one body: faces (n, 6), r (n,) [length3] of its cells own (n,), ascending, and the areas A are
+    changed. before: areas at the start; way (n, 3) [length] of the wall in the step."""
+    flat, was = A.reshape(-1), before.reshape(-1)
+    rows, values = np.empty((2, len(own)), np.int64), np.empty((2, len(own)))
     step = A.strides[d] // A.itemsize
-    upper = np.searchsorted(own, own + step).clip(0, len(own) - 1)
-    volumes = np.prod([w[cells[:, e]] for e, w in enumerate(grid[:3])], axis=0)
-    area = volumes / grid[d][cells[:, d]]
-    way = 0.5 * (way + way[upper])
-    swept, far = area * way[:, d], np.abs(way).max(axis=1)
-    much = np.sign(r) * np.minimum(np.abs(r), np.abs(r[upper]))
-    ahead = (np.abs(way[:, d]) > ALONG * far) & (far * area > SLOW * volumes)
-    passed = (own[upper] == own + step) & ahead & (np.abs(A.reshape(-1)[own] - before.reshape(-1)[own]) > JUMP)
-    low = np.flatnonzero(passed & (r * r[upper] < 0.0) & (np.abs(much) > AMISS * np.abs(swept)))
-    if not len(low):
+    count = _find_passed(d, own, step, r, way, flat, was, *grid[:3], *A.shape[1:], *rows, *values)
+    if not count:
         return
-    high, flat, at, was, swept = upper[low], A.reshape(-1), own[low], before.reshape(-1)[own[low]], swept[low]
-    change = much[low] / swept
+    (low, high), (much, swept) = rows[:, :count], values[:, :count]
+    at, was = own[low], was[own[low]]
+    change = much / swept
     opens = flat[at] > was  # the mean lies between what was open and what is open to the full, or closed
     change = np.where(opens, np.clip(change, -faces[low, 2 * d + 1], flat[at] - was), change)
     change = np.where(opens, change, np.clip(change, flat[at] - was, flat[at]))

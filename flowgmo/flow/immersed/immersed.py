@@ -39,6 +39,7 @@ from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.torn import Around, torn
 from flowgmo.flow.immersed.volume_change import VolumeChange
 from flowgmo.flow.pressure.face_flows import PUSH
+from flowgmo.flow.team import Team
 from flowgmo.kernel import kernel
 
 if TYPE_CHECKING:
@@ -65,6 +66,27 @@ def narrow(numbers, faces, factors, part, shares):
             shares[c, part] *= factors[n]
 
 
+@kernel
+def covered_faces(d, cells, shares, place, U, x, y, z, count, faces, speeds):
+    """Fill in from `count` on: numbers of the faces along d of which a body covers something, and its velocity there;
+    lower faces of all its cells first. Returns the count then.
+
+    cells (m, 3), shares (m, 6), place (3,), U (6,) of the body; x, y, z: centres of cells.
+    """
+    ny, nz = len(y), len(z)
+    e, f = (d + 1) % 3, (d + 2) % 3
+    step = ny * nz if d == 0 else (nz if d == 1 else 1)
+    for upper in range(2):
+        for c in range(len(cells)):
+            if shares[c, 2 * d + upper] > 0.0:
+                i, j, k = np.int64(cells[c, 0]), np.int64(cells[c, 1]), np.int64(cells[c, 2])
+                r = (x[i] - place[0], y[j] - place[1], z[k] - place[2])
+                faces[count] = (i * ny + j) * nz + k - (1 - upper) * step
+                speeds[count] = U[d] + U[3 + e] * r[f] - U[3 + f] * r[e]
+                count += 1
+    return count
+
+
 class Immersed:
     """covers: open fractions; renew: called when these have changed, to sort faces and regions anew.
 
@@ -89,6 +111,8 @@ class Immersed:
         self.sorted = None  # numbers of the cells whose open fractions were other than `covers` has them: not yet any
         self.short: ShortCells | None = None
         self.solved = np.zeros(0, bool)  # (b,) bodies that the pressure moves
+        self.uncovered: tuple[np.ndarray, np.ndarray] | None = None  # cells (n, 3) to which the step has given a past,
+        # and F there (n,) before that
         self.no_exit = False  # no side of the domain lets liquid through
 
     # ---- before the liquid moves
@@ -197,8 +221,11 @@ class Immersed:
         closed = self.change.V0 == 0.0
         at = self.cells[closed]
         self._uncover_pressure(flow.p, at)
+        self.uncovered = None
         if flow.F is None:
             return
+        if len(at):
+            self.uncovered = at, flow.F[tuple(at.T)]
         mean, weight = mean_around(flow.F, self.covers.open.V, at)
         void = self._torn(flow, closed, self.growth / dt)[closed] | (weight == 0.0)
         flow.F[tuple(at.T)] = np.where(void, 0.0, mean)
@@ -243,36 +270,29 @@ class Immersed:
                 self.held.append(None)
                 continue
             faces, speed = self._covered_faces(d, places, velocities)
-            before, mean = self.covers.open[1 + d], self.open[1 + d]
-            opens = (before[faces] == 0.0) & (mean[faces] > 0.0)
-            at = np.column_stack(faces)[opens]
+            before, mean = self.covers.open[1 + d], self.open[1 + d].reshape(-1)[faces]
+            opens = np.flatnonzero((before.reshape(-1)[faces] == 0.0) & (mean > 0.0))
+            at = np.column_stack(np.unravel_index(faces[opens], u.shape))
             around, weight = mean_around(u, before, at, open_or_not=True)
-            u[tuple(at.T)] = np.where(weight > 0.0, around, speed[opens])
-            shut = mean[faces] <= NARROW
-            faces = tuple(f[shut] for f in faces)
-            self.held.append((faces, speed[shut], mean[faces] > 0.0))
+            u.reshape(-1)[faces[opens]] = np.where(weight > 0.0, around, speed[opens])
+            shut = np.flatnonzero(mean <= NARROW)
+            self.held.append((faces[shut], speed[shut], mean[shut] > 0.0))
 
-    def _covered_faces(self, d: int, places: np.ndarray, velocities: np.ndarray) -> tuple[tuple, np.ndarray]:
-        """Index of the faces along d that bodies cover (wholly or in part), and the bodies' velocity there."""
-        found, speeds = [], []
-        e, f = (d + 1) % 3, (d + 2) % 3
+    def _covered_faces(self, d: int, places: np.ndarray, velocities: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the faces along d that bodies cover (wholly or in part), and the bodies' velocity there."""
+        most = 2 * sum(len(shares.cells) for shares in self.shares)
+        faces, speeds, count = np.empty(most, np.int64), np.empty(most), 0
         for shares, place, U in zip(self.shares, places, velocities, strict=True):
-            for upper in (0, 1):
-                mine = shares.faces[:, 2 * d + upper] > 0.0
-                at = shares.cells[mine].astype(np.intp)
-                at[:, d] -= 1 - upper
-                r = np.column_stack([c[at[:, k]] for k, c in enumerate(self.centres)]) - place
-                found.append(at)
-                speeds.append(U[d] + U[3 + e] * r[:, f] - U[3 + f] * r[:, e])
-        at, speed = np.concatenate(found), np.concatenate(speeds)
-        return tuple(at.T), speed
+            of_body = shares.cells, shares.faces, place, U, *self.centres
+            count = covered_faces(np.int64(d), *of_body, np.int64(count), faces, speeds)
+        return faces[:count], speeds[:count]
 
     def hold(self, velocity: Sequence[np.ndarray | None], pull: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Closed and narrow faces have the velocity of the body that covers them; narrow ones also what gravity adds,
         pull [length/time], for without it water at rest would rise in gaps."""
         for u, held, g in zip(velocity, self.held, pull, strict=True):
             if u is not None:
-                u[held[0]] = held[1] + g * held[2]
+                u.reshape(-1)[held[0]] = held[1] + g * held[2]
 
     def friction(
         self, momentum: Momentum, mu: float, F: np.ndarray | None, places: np.ndarray, U0: np.ndarray, W: np.ndarray,
@@ -289,16 +309,17 @@ class Immersed:
         momentum.move_walls(found)
         return found
 
-    def fill_short(self, columns: np.ndarray, flow: Flow, dt: float) -> None:
+    def fill_short(self, team: Team, columns: np.ndarray, flow: Flow, dt: float) -> None:
         """Cells of columns that lack a little are full in F until `restore_short` (short_cells.py), but for voids that
         bodies open (torn.py)."""
+        self.short, voids = None, np.zeros(0, np.int64)
         if flow.F is None:
-            self.short = None
             return
-        rows = tuple(self.cells.T)
-        lacks = PUSH * (1.0 - flow.F[rows]) * self.covers.open.V[rows] * self.volumes
-        void = self._torn(flow, flow.F[rows] < 0.5, (self.growth + lacks) / dt)
-        self.short = ShortCells(columns, flow.F, self.open.V, self.open[1:], self._numbers(self.cells[void]))
+        if self.driven_by.any.any():
+            rows = tuple(self.cells.T)
+            lacks = PUSH * (1.0 - flow.F[rows]) * self.covers.open.V[rows] * self.volumes
+            voids = self._numbers(self.cells[self._torn(flow, flow.F[rows] < 0.5, (self.growth + lacks) / dt)])
+        self.short = ShortCells(team, columns, flow.F, self.open.V, self.open[1:], voids)
 
     def restore_short(self) -> None:
         """F as it is again; once for each `fill_short`."""
@@ -315,27 +336,28 @@ class Immersed:
 
         What such a cell holds too much of, F - 1, it holds of V0, not of the larger V that net_inflow sees.
         """
-        rows = tuple(self.cells.T)
+        into, rows = right.reshape(-1), self._numbers(self.cells)
+        solved = diagonal.reshape(-1)[rows] != 0.0
         growth = self.growth if self.pushed is None else dt * self.pushed
-        growth = np.where(diagonal[rows] != 0.0, growth, 0.0)
+        growth = np.where(solved, growth, 0.0)
         if self.shut_in:
             growth = closed_sum(growth)
-        right[rows] -= growth / dt + np.where(diagonal[rows] != 0.0, PUSH * self.beyond, 0.0) / ease
+        into[rows] -= growth / dt + np.where(solved, PUSH * self.beyond, 0.0) / ease
         if self.short is not None:
-            at = self.short.cells
-            volumes = np.prod([d[k] for d, k in zip(self.grid[:3], at, strict=True)], axis=0)
-            lacking = self.short.lack * self.covers.open.V[at] * volumes
-            right[at] -= np.where(diagonal[at] != 0.0, PUSH * lacking / ease, 0.0)
+            at = self.short.numbers
+            cells = np.unravel_index(at, right.shape)
+            volumes = np.prod([d[k] for d, k in zip(self.grid[:3], cells, strict=True)], axis=0)
+            lacking = self.short.lack * self.covers.open.V.reshape(-1)[at] * volumes
+            into[at] -= np.where(diagonal.reshape(-1)[at] != 0.0, PUSH * lacking / ease, 0.0)
 
     # ---- the liquid
 
     def arrive(self, poses: Sequence[Pose]) -> None:
         """The bodies came to stand at poses: the change of all cells that any of them touched on the way."""
         swept = self.covers.sweep(poses, keep_mean=True)
-        shape = self.open.V.shape
-        then = np.ravel_multi_index(tuple(swept.cells.T.astype(np.int64)), shape)
-        both = np.union1d(np.ravel_multi_index(tuple(self.cells.T.astype(np.int64)), shape), then)
-        rows = np.unravel_index(both, shape)
+        then = self._numbers(swept.cells)
+        both = united([self._numbers(self.cells), then])
+        rows = np.unravel_index(both, self.open.V.shape)
         V0 = self.covers.open.V[rows]
         V1 = V0.copy()  # cells that a body was expected in only
         V1[np.searchsorted(both, then)] = swept.V1

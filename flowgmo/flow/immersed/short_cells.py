@@ -11,12 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.fields import G
-from flowgmo.kernel import inner, kernel
+from flowgmo.flow.team import Team
+from flowgmo.kernel import flow_kernel, inner, kernel
 
 SMALL = 0.02  # of a cell's volume: what steps of a body's motion leave; a void by which a surface shows is larger
 
 NOTICED = 1e-7  # [-] 1 - F: less is below what the solver's tolerance leaves, and no void for lids.py either
-SOME = 4096  # cells that are looked for at first
 
 
 @inner
@@ -25,16 +25,16 @@ def _lacks(F, V, i, j, k):
     return (1.0 - F[i, j, k]) * V[i, j, k]
 
 
-@kernel
-def _list_short(columns, F, V, Ax, Ay, Az, most, cells):
-    """Fill cells (n, 3), as far as they reach, with those that are to be full; returns how many there are."""
+@flow_kernel
+def _list_short(columns, first, last, F, V, Ax, Ay, Az, most, starts, numbers, counts):
+    """Numbers of the cells of each column that are to be full, counts[c] of them from numbers[starts[c]] on."""
     nx, ny, nz = F.shape
-    count = np.int64(0)
-    for c in range(len(columns)):
+    for c in range(first, last):
         i = np.int64(columns[c, 0])
         j = np.int64(columns[c, 1])
+        counts[c] = 0
         some = False
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):  # most columns have none: a loop that
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):  # many columns have none: a loop that
             some |= (1.0 - F[i, j, k] > NOTICED) & (_lacks(F, V, i, j, k) < most)  # vectorises says so
         if not some:
             continue
@@ -51,33 +51,40 @@ def _list_short(columns, F, V, Ax, Ay, Az, most, cells):
                 if at > G and A[i - di, j - dj, k - dk] > 0.0 and _lacks(F, V, i - di, j - dj, k - dk) >= most:
                     deep = False
             if deep:
-                if count < len(cells):
-                    cells[count, 0] = i
-                    cells[count, 1] = j
-                    cells[count, 2] = k
-                count += 1
-    return count
+                numbers[starts[c] + counts[c]] = (i * ny + j) * nz + k
+                counts[c] += 1
+
+
+@kernel
+def _together(starts, numbers, counts, out):
+    """The listed numbers one after the other."""
+    n = np.int64(0)
+    for c in range(len(counts)):
+        for m in range(starts[c], starts[c] + counts[c]):
+            out[n] = numbers[m]
+            n += 1
 
 
 class ShortCells:
-    """Those of one step: cells, an index of arrays of mesh size, and what they lack (n,) [-]. Voids are void until
-    `restore`: what little they hold is no liquid for the pressure, wherever it lies."""
+    """Those of one step: numbers (n,), flat index of arrays of mesh size, and what they lack (n,) [-]. Voids are void
+    until `restore`: what little they hold is no liquid for the pressure, wherever it lies."""
 
-    def __init__(self, columns: np.ndarray, F: np.ndarray, V: np.ndarray, areas: tuple, voids: np.ndarray) -> None:
-        """Find them in columns, and make F full there until `restore`. voids: flat index of cells that are empty."""
-        found = np.empty((SOME, 3), np.int64)
-        count = _list_short(columns, F, V, *areas, SMALL, found)
-        if count > SOME:
-            found = np.empty((count, 3), np.int64)
-            _list_short(columns, F, V, *areas, SMALL, found)
-        numbers = np.ravel_multi_index(tuple(found[:count].T), F.shape)
+    def __init__(
+        self, team: Team, columns: np.ndarray, F: np.ndarray, V: np.ndarray, areas: tuple, voids: np.ndarray
+    ) -> None:
+        """Find them in columns, and make F full there until `restore`. voids: numbers of cells that are empty."""
+        ends = np.cumsum(columns[:, 3] - columns[:, 2])
+        counts, room = np.empty(len(columns), np.int64), np.empty(int(ends[-1]) if len(ends) else 0, np.int64)
+        starts = ends - (columns[:, 3] - columns[:, 2])
+        team.run(_list_short, columns, F, V, *areas, SMALL, starts, room, counts)
+        self.numbers, self.F = np.empty(int(counts.sum()), np.int64), F.reshape(-1)
+        _together(starts, room, counts, self.numbers)
         if len(voids):
-            numbers = numbers[~np.isin(numbers, voids)]
-        self.cells, self.F = np.unravel_index(numbers, F.shape), F.reshape(-1)
-        self.changed = np.concatenate([numbers, voids])
+            self.numbers = self.numbers[~np.isin(self.numbers, voids)]
+        self.changed = np.concatenate([self.numbers, voids])
         self.held = self.F[self.changed]
-        self.lack = 1.0 - self.F[numbers]
-        self.F[numbers], self.F[voids] = 1.0, 0.0
+        self.lack = 1.0 - self.F[self.numbers]
+        self.F[self.numbers], self.F[voids] = 1.0, 0.0
 
     def restore(self) -> None:
         """F as it is."""

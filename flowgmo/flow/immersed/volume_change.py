@@ -12,9 +12,42 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.fields import G, Grid, Open
+from flowgmo.kernel import inner, kernel
 
 HARDLY = 1e-3  # of a cell that is open: what such a cell holds too much is thousands of times what it can hold
 ANYWAY = 1e-6  # of its open volume that a full cell takes: only where none has room does it count (spill_over.py)
+
+
+@inner
+def _way_out(much, liquid, V, A, face, other):
+    """What a cell beside another can take of its excess `much` [-], or has of what it lacks (< 0); indices of the face
+    between them and of that cell."""
+    if not (A[face] > 0.0 and V[other] > HARDLY):
+        return 0.0
+    return V[other] if much > 0.0 else max(liquid[other], 0.0)
+
+
+@kernel
+def next_shut_in(cells, much, n, liquid, V, Ax, Ay, Az):
+    """The first of cells[n:] (m, 3) whose open faces do not lead to cells that can take the excess much (m,) [-], or
+    have what is missing (< 0); m if there is none."""
+    nx, ny, nz = V.shape
+    while n < len(cells):
+        i, j, k = cells[n, 0], cells[n, 1], cells[n, 2]
+        found = 0.0
+        for d in range(3):
+            A = Ax if d == 0 else (Ay if d == 1 else Az)
+            di, dj, dk = np.int64(d == 0), np.int64(d == 1), np.int64(d == 2)
+            at, size = (i, nx) if d == 0 else ((j, ny) if d == 1 else (k, nz))
+            lower = (i - di, j - dj, k - dk)
+            if at + 1 < size - G:
+                found += _way_out(much[n], liquid, V, A, (i, j, k), (i + di, j + dj, k + dk))
+            if at - 1 >= G:
+                found += _way_out(much[n], liquid, V, A, lower, lower)
+        if not found > abs(much[n]):
+            return n
+        n += 1
+    return n
 
 
 class VolumeChange:
@@ -43,20 +76,10 @@ class VolumeChange:
         self.V[self.rows] = self.V1
         excess = liquid[self.rows] - np.clip(liquid[self.rows], 0.0, self.V1)
         off = (self.V1 <= HARDLY) & (np.abs(excess) > 0.0)
-        for cell, much in zip(np.column_stack(self.rows)[off], excess[off], strict=True):
-            if not self._has_way_out(cell, float(much), liquid, opened):
-                self._move_on(cell, float(much), liquid, grid)
-
-    def _has_way_out(self, cell: np.ndarray, much: float, liquid: np.ndarray, opened: Open) -> bool:
-        """Whether open faces lead to cells that can take the excess `much` [-], or have what is missing (< 0)."""
-        found = 0.0
-        for d, A in enumerate(opened[1:]):
-            step = np.eye(3, dtype=np.int64)[d]
-            for face, other in ((cell, cell + step), (cell - step, cell - step)):
-                inside = G <= other[d] < A.shape[d] - G
-                if inside and A[tuple(face)] > 0.0 and self.V[tuple(other)] > HARDLY:
-                    found += self.V[tuple(other)] if much > 0.0 else max(float(liquid[tuple(other)]), 0.0)
-        return found > abs(much)
+        cells, much, n = np.column_stack(self.rows)[off].astype(np.int64), excess[off], 0
+        while (n := int(next_shut_in(cells, much, n, liquid, self.V, *opened[1:]))) < len(cells):
+            self._move_on(cells[n], float(much[n]), liquid, grid)
+            n += 1
 
     def _move_on(self, cell: np.ndarray, much: float, liquid: np.ndarray, grid: Grid) -> None:
         """A cell's excess to the nearest open ones; what is missing comes from the nearest that have some."""

@@ -47,25 +47,30 @@ class Momentum:
             self.limit = viscous_limit(grid, self.nu, present)
         self.plan, self.present = plan, present
         self.lines = np.zeros((*shape[:2], 2), np.int32)  # scratch of `renew`
+        self.sort_faces()
         self.renew()
         self.scratch = tuple(np.zeros(shape) for _ in range(4)) if self.implicit else ()
 
-    def renew(self, cells: np.ndarray | None = None) -> None:
-        """Sort the faces by the open fractions as they are now; walls that move have to be given anew.
+    def sort_faces(self, cells: np.ndarray | None = None) -> None:
+        """Sort the faces by the open fractions as they are now; `renew` has to follow.
 
         cells (n, 3) [with ghosts, in C order]: those whose fractions, or lower faces', are others than when this was
         last done; None: all.
         """
-        self.friction, sources = None, (None, None, None)
         if cells is None or self.cut is NO_SOLIDS:
             self.cut, self.sorted = find_cut_faces(self.every, self.openings), (None, None, None)
+            self.sources = (None, None, None)
         else:
-            self.cut, sources = sort_again(self.cut, self.openings, cells, self.lines)
+            self.cut, self.sources = sort_again(self.cut, self.openings, cells, self.lines)
+
+    def renew(self, cells: np.ndarray | None = None) -> None:
+        """Fit the operators to the sorted faces; walls that move have to be given anew. cells: as of sort_faces."""
+        self.friction = None
         if self.nu > 0.0:
             plan, grid, openings, present = self.plan, self.grid, self.openings, self.present
             if cells is None or self._touch_walls(cells):
                 self._find_walls()
-            args = self.cut, present, plan.no_slip, self.side_walls, self.sorted, sources
+            args = self.cut, present, plan.no_slip, self.side_walls, self.sorted, self.sources
             self.operators = self.sorted = make_viscosity(self.team, grid, openings, *args)
 
     def _find_walls(self) -> None:

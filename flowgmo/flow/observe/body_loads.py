@@ -24,6 +24,7 @@ from flowgmo.flow.favor.body_cover import BodyCover
 from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, weight_of_displaced
+from flowgmo.kernel import kernel
 
 
 class BodyLoads(NamedTuple):
@@ -69,15 +70,23 @@ def resting_fluxes(
 
 def wetted_area(cover: BodyCover, flow: Flow, V: np.ndarray, grid: Grid) -> float:
     """[length2] of the wall of a body that liquid touches."""
-    shape = flow.p.shape
-    area = np.linalg.norm(wall_areas(cover, shape, grid), axis=1)
-    wet = V.reshape(-1)[cover.numbers] > 0.0
     F = 1.0 if flow.F is None else flow.F.reshape(-1)[cover.numbers].clip(0.0, 1.0)
-    return float((area * wet * F).sum())
+    return float((wall_sizes(cover, V, grid) * F).sum())
 
 
-def wall_areas(cover: BodyCover, shape: tuple, grid: Grid) -> np.ndarray:
-    """(n, 3) [length2] of the wall in each of the cover's cells, into the body."""
-    dx, dy, dz = (d[k] for d, k in zip(grid[:3], np.unravel_index(cover.numbers, shape), strict=True))
-    upper, lower = cover.shares[:, 1:6:2], cover.shares[:, 0:6:2]
-    return (upper - lower) * np.column_stack([dy * dz, dz * dx, dx * dy])
+def wall_sizes(cover: BodyCover, V: np.ndarray, grid: Grid) -> np.ndarray:
+    """(n,) [length2] of the wall in each of the cover's cells, 0 in those that are closed; V (mesh)."""
+    sizes = np.empty(len(cover.numbers))
+    _find_sizes(cover.numbers, cover.shares, grid, V, sizes)
+    return sizes
+
+
+@kernel
+def _find_sizes(numbers, shares, grid, V, sizes):
+    """sizes (n,) as of wall_sizes."""
+    nx, ny, nz = V.shape
+    for c in range(len(numbers)):
+        i, j, k = numbers[c] // (ny * nz), numbers[c] // nz % ny, numbers[c] % nz
+        s, dx, dy, dz = shares[c], grid.dx[i], grid.dy[j], grid.dz[k]
+        x, y, z = (s[1] - s[0]) * (dy * dz), (s[3] - s[2]) * (dz * dx), (s[5] - s[4]) * (dx * dy)
+        sizes[c] = np.sqrt(x * x + y * y + z * z) if V[i, j, k] > 0.0 else 0.0

@@ -20,7 +20,41 @@ import numpy as np
 
 from flowgmo.flow.favor.body_cover import BodyCover
 from flowgmo.flow.fields import Flow, Grid
-from flowgmo.flow.observe.body_loads import wall_areas
+from flowgmo.flow.observe.body_loads import wall_sizes
+from flowgmo.kernel import inner, kernel
+
+
+@inner
+def _add(i, j, k, covered, lean, grid, centres, up, level, out):
+    """out (4,) += volume, and first moments, of what a body displaces in a cell: of the share that it covers, which
+    lies off the centre by lean (triple) [cells], below the level [length]."""
+    dx, dy, dz = grid.dx[i], grid.dy[j], grid.dz[k]
+    x, y, z = centres[0][i] + lean[0] * dx, centres[1][j] + lean[1] * dy, centres[2][k] + lean[2] * dz
+    half = 0.5 * (abs(up[0]) * dx + abs(up[1]) * dy + abs(up[2]) * dz)
+    height = x * up[0] + y * up[1] + z * up[2]
+    below = min(max(0.5 + 0.5 * (level - height) / half, 0.0), 1.0)
+    part = covered * below * dx * dy * dz
+    lower = (1.0 - below) * half
+    out[0] += part
+    out[1] += part * (x - lower * up[0])
+    out[2] += part * (y - lower * up[1])
+    out[3] += part * (z - lower * up[2])
+
+
+@kernel
+def _sum_displaced(numbers, shares, runs, grid, centres, up, level, out):
+    """out (4,) as of _add, of all cells of a body: numbers, shares, runs of its BodyCover; centres: tuple of three."""
+    ny, nz = len(centres[1]), len(centres[2])
+    for c in range(len(numbers)):
+        s = shares[c]
+        off = 0.5 * (1.0 - s[6])
+        lean = (off * (s[1] - s[0]), off * (s[3] - s[2]), off * (s[5] - s[4]))
+        i, j, k = numbers[c] // (ny * nz), numbers[c] // nz % ny, numbers[c] % nz
+        _add(i, j, k, s[6], lean, grid, centres, up, level, out)
+    for m in range(len(runs)):
+        for number in range(runs[m, 0], runs[m, 1]):
+            i, j, k = number // (ny * nz), number // nz % ny, number % nz
+            _add(i, j, k, 1.0, (0.0, 0.0, 0.0), grid, centres, up, level, out)
 
 
 def buoyancy_centre(
@@ -28,36 +62,15 @@ def buoyancy_centre(
 ) -> tuple[np.ndarray, float]:
     """Centre (3,) [length] and volume [length3] of the liquid that a body displaces inside the domain; up (3,): unit
     vector against gravity. Volume 0 (and a centre that says nothing): the body is dry."""
-    at, shares, lean = _covered_cells(cover)
-    index = np.unravel_index(at, flow.p.shape)
-    places = np.column_stack([c[k] for c, k in zip(centres, index, strict=True)])
-    sizes = np.column_stack([d[k] for d, k in zip(grid[:3], index, strict=True)])
-    places = places + lean * sizes
-    below = 1.0
-    if flow.F is not None:
-        level = _level(cover, flow, V, grid, centres, up)
-        half = 0.5 * sizes @ np.abs(up)
-        height = places @ up
-        below = np.clip(0.5 + 0.5 * (level - height) / half, 0.0, 1.0)
-        places = places - ((1.0 - below) * half)[:, None] * up
-    part = shares * below * sizes.prod(axis=1)
-    volume = float(part.sum())
-    return (part @ places / volume if volume > 0.0 else np.zeros(3)), volume
-
-
-def _covered_cells(cover: BodyCover) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All n cells of a body: their numbers, the shares of their volumes that it covers, and (n, 3) how far these parts
-    lie off the centres, in cells."""
-    inside = [np.arange(a, b) for a, b in cover.runs]
-    numbers = np.concatenate([cover.numbers, *inside]) if inside else cover.numbers
-    rest, c = len(numbers) - len(cover.numbers), cover.shares[:, 6]
-    lean = 0.5 * (1.0 - c)[:, None] * (cover.shares[:, 1:6:2] - cover.shares[:, 0:6:2])
-    return numbers, np.concatenate([c, np.ones(rest)]), np.concatenate([lean, np.zeros((rest, 3))])
+    level, out = np.inf if flow.F is None else _level(cover, flow, V, grid, centres, up), np.zeros(4)
+    _sum_displaced(cover.numbers, cover.shares, cover.runs, grid, tuple(centres), up, level, out)
+    volume = float(out[0])
+    return (out[1:] / volume if volume > 0.0 else np.zeros(3)), volume
 
 
 def _level(cover: BodyCover, flow: Flow, V: np.ndarray, grid: Grid, centres: list[np.ndarray], up: np.ndarray) -> float:
     """Height [length] along `up` to which still liquid wets as much of a body's wall."""
-    wall = np.linalg.norm(wall_areas(cover, flow.p.shape, grid), axis=1) * (V.reshape(-1)[cover.numbers] > 0.0)
+    wall = wall_sizes(cover, V, grid)
     at = cover.numbers[wall > 0.0]
     wall = wall[wall > 0.0]
     wet = float(wall @ flow.F.reshape(-1)[at].clip(0.0, 1.0))

@@ -1,12 +1,14 @@
-"""What the liquid amounts to as a whole: volume, energies, and how well its volume is kept.
+"""What the liquid amounts to as a whole: volume, energies, momentum, and how well its volume is kept.
 
     volume      sum of F V dx dy dz
     kinetic     rho / 2 sum of F V dx dy dz (u^2 + v^2 + w^2)       u^2 the mean over the cell's two faces
     potential   - rho sum of F V dx dy dz  g . (x - x0)            x0 the corner of the domain that g points at
+    momentum    rho sum of F V dx dy dz  u                         u the mean over the cell's two faces
 
 The mean of the two faces' squares is the trapezoidal rule, second order, and it is each face's energy over half of
 either neighbour, which is what the projection lowers. A closed face has no velocity; what bodies that move give it is
-added apart (beside_bodies.py).
+added apart (beside_bodies.py). Momentum is asked for only where bodies move (momentum_book.py), and found in the same
+pass: all of the time goes into reading the velocities.
 
 x is where the liquid of the cell is, not the cell's centre (places_of_liquid.py): a surface that rises by half a cell
 would else move no energy at first, nor a body that passes half of one. Without gravity nothing of this is computed.
@@ -51,9 +53,23 @@ def mean_square(a, A, i, j, k, m, n, o):
     return 0.5 * (below * below + above * above)
 
 
+@inner
+def mean_of_faces(a, A, i, j, k, m, n, o):
+    """Mean of a velocity on the two faces of a cell, as mean_square."""
+    if a is None:
+        return 0.0
+    below = a[i - m, j - n, k - o]
+    above = a[i, j, k]
+    if A is not None:
+        below = below if A[i - m, j - n, k - o] > 0.0 else 0.0
+        above = above if A[i, j, k] > 0.0 else 0.0
+    return 0.5 * (below + above)
+
+
 @flow_kernel
-def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy, hz, g, least, sums):
-    """sums[c] = volume, its kinetic and potential energy / rho, and the cells with F > least, of each column.
+def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy, hz, g, least, sums, momenta):
+    """sums[c] = volume, its kinetic and potential energy / rho, and the cells with F > least, of each column; momenta
+    (n, 3): momentum / rho, or None.
 
     opened: Open, V: opened.V (by itself, since None must be an argument to be pruned). hx, hy, hz (n + 4,)
     [length2/time2]: -g . x of cell centres along each direction; g (3,) [length/time2]. None without gravity.
@@ -65,6 +81,7 @@ def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy
         kinetic = 0.0
         potential = 0.0
         wet = 0.0
+        mx, my, mz = 0.0, 0.0, 0.0
         for k in range(columns[c, 2], columns[c, 3]):
             part = grid.dz[k]
             cut = False
@@ -86,6 +103,10 @@ def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy
             square += mean_square(w, opened.Az, i, j, k, 0, 0, 1)
             volume += part
             kinetic += 0.5 * part * square
+            if momenta is not None:
+                mx += part * mean_of_faces(u, opened.Ax, i, j, k, 1, 0, 0)
+                my += part * mean_of_faces(v, opened.Ay, i, j, k, 0, 1, 0)
+                mz += part * mean_of_faces(w, opened.Az, i, j, k, 0, 0, 1)
             if F is None:
                 wet += 1.0 if part > 0.0 else 0.0
             else:
@@ -95,6 +116,10 @@ def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy
         sums[c, 1] = area * kinetic
         sums[c, 2] = area * potential
         sums[c, 3] = wet
+        if momenta is not None:
+            momenta[c, 0] = area * mx
+            momenta[c, 1] = area * my
+            momenta[c, 2] = area * mz
 
 
 def heights(grid: Grid, gravity: np.ndarray) -> list[np.ndarray]:
@@ -118,17 +143,21 @@ def total(
     rho: float,
     gravity: np.ndarray,
     least: float,
+    momentum: np.ndarray | None = None,
 ) -> Totals:
-    """Totals of the liquid in the columns' cells; F with ghosts filled. least: F of a cell that counts as wet."""
-    sums = np.empty((len(columns), 4))
+    """Totals of the liquid in the columns' cells; F with ghosts filled. least: F of a cell that counts as wet; momentum
+    (3,) [mass length/time]: becomes that of the liquid."""
+    sums, momenta = np.empty((len(columns), 4)), None if momentum is None else np.empty((len(columns), 3))
     g, where = None, (None, None, None)
     if np.any(gravity):
         g, where = tuple(float(x) for x in gravity), heights(grid, gravity)
     opened = openings, openings.V
     team.run(
-        sum_columns, columns, grid, *opened, steps_of(grid), flow.F, *flow.velocity, *where, g, least, sums
+        sum_columns, columns, grid, *opened, steps_of(grid), flow.F, *flow.velocity, *where, g, least, sums, momenta
     )  # fmt: skip
     volume, kinetic, potential, wet = (math.fsum(column) for column in sums.T)
+    if momentum is not None:
+        momentum[:] = rho * momenta.sum(axis=0)
     return Totals(volume, rho * kinetic, rho * potential, int(wet))
 
 

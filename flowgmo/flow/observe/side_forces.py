@@ -23,6 +23,7 @@ from flowgmo.flow.momentum.wall_shear import wall_force
 from flowgmo.flow.observe.loads import Wall
 from flowgmo.flow.surface.plic import FULL
 from flowgmo.flow.team import Team
+from flowgmo.kernel import kernel
 from flowgmo.mesh import PERIODIC, SYMMETRY, WALL
 
 Array = np.ndarray
@@ -35,6 +36,28 @@ class Pressed(NamedTuple):
     wet: Array
     rho: float
     gravity: Array
+
+
+@kernel
+def _sum_side(width, height, A, wet, p, F, below, lid):
+    """Over the faces (n, m) of a side: sum of area times the pressure p - below on it where the cell is wet (not 0),
+    and of area times F where it is not. width (n,), height (m,); A, F (n, m) or None; lid: cells that are not full do
+    not pull."""
+    force, dry = 0.0, 0.0
+    for a in range(len(width)):
+        for b in range(len(height)):
+            area = width[a] * height[b]
+            if A is not None:
+                area *= A[a, b]
+            if wet[a, b] != 0:
+                wall = p[a, b] - below
+                if F is not None:
+                    if lid and F[a, b] < FULL:
+                        wall = max(wall, 0.0)
+                force += area * wall
+            elif F is not None:
+                dry += area * F[a, b]
+    return force, dry
 
 
 def by_sides(
@@ -58,22 +81,21 @@ def by_sides(
             continue
         n, sign = len(grid[d]) - 2 * G, (-1.0 if upper else 1.0)
         cell, face = (n + G - 1, n + G - 1) if upper else (G, G - 1)
-        area = np.multiply.outer(*(w[G:-G] for e, w in enumerate(grid[:3]) if e != d))
-        A = openings[1 + d]
-        area = area if A is None else area * _layer(A, d, face)
-        wet, p = _layer(pressed.wet, d, cell) != 0.0, _layer(pressed.p, d, cell)
+        across = [w[G:-G] for e, w in enumerate(grid[:3]) if e != d]
+        A = None if openings[1 + d] is None else _layer(openings[1 + d], d, face)
         weight = pressed.rho * float(pressed.gravity[d])  # per volume
-        wall = p - 0.5 * sign * weight * grid[d][cell]
-        if F is not None and weight * sign > 0.0:  # a lid: under it the surface may lie between centre and side
-            wall = np.where(_layer(F, d, cell) < FULL, np.maximum(wall, 0.0), wall)
-        force = sign * float((area * wet * wall).sum())
+        lid = F is not None and weight * sign > 0.0  # under it the surface may lie between centre and side
+        layers = (None if a is None else _layer(a, d, cell) for a in (pressed.wet, pressed.p, F))
+        force, dry = _sum_side(*across, A, *layers, 0.5 * sign * weight * grid[d][cell], lid)
+        force *= sign
         if kind not in (SYMMETRY, WALL):
             opened[d] += force
             if stream is not None:
+                area = np.multiply.outer(*across) if A is None else np.multiply.outer(*across) * A
                 opened += sign * pressed.rho * _stream(d, area, cell, face, stream, F)
             continue
-        if F is not None and weight * sign < 0.0:
-            force -= weight * grid[d][cell] * float((area * ~wet * _layer(F, d, cell)).sum())
+        if weight * sign < 0.0:
+            force -= weight * grid[d][cell] * dry
         closed[d] += force
     return closed, opened
 

@@ -20,7 +20,7 @@ from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.observe.gauges import DUST, Standing, read_probe
 from flowgmo.flow.observe.loads import find_wall, pressure_load, shear_load
-from flowgmo.flow.observe.measures import total, volume_error
+from flowgmo.flow.observe.measures import Totals, total, volume_error
 from flowgmo.flow.observe.planes import find_gate, flow_through
 from flowgmo.flow.team import Team
 from flowgmo.flow_plan import FluidPlan, LoadPlan
@@ -38,7 +38,8 @@ Shear = Callable[[Flow], tuple[np.ndarray, np.ndarray]]  # places (m, 3) and for
 class Asked:
     """What the scene wants recorded: numbers and points (k, 3) of probes; names of bodies by number; walls: number of
     a body -> its cells (m, 3) [with ghosts] and the shares (m, 6) of their faces; shear: number -> its shear forces;
-    still: what solids that stand still leave open, None where nothing moves."""
+    still: what solids that stand still leave open, None where nothing moves; momentum: whether that of the liquid is
+    wanted."""
 
     probe_numbers: Sequence[int]
     probe_points: np.ndarray
@@ -46,6 +47,7 @@ class Asked:
     walls: Mapping[int, tuple[np.ndarray, np.ndarray]]
     shear: Mapping[int, Shear]
     still: Open | None = None
+    momentum: bool = False
 
 
 class Watch:
@@ -66,17 +68,30 @@ class Watch:
         still = openings if asked.still is None else asked.still
         self.walls = {n: find_wall(*wall, grid, still, centres) for n, wall in asked.walls.items()}
         self._kept: tuple[int, Values] | None = None
+        self._whole: tuple[int, Totals, np.ndarray | None] | None = None
 
     def at(self, step: int, flow: Flow, start: float, passed: np.ndarray) -> Values:
         """The values after `step` steps; measured once for each. start, passed: as in measures.volume_error."""
         if self._kept is None or self._kept[0] != step:
-            self._kept = step, self.measure(flow, start, passed)
+            self._kept = step, self.measure(flow, start, passed, self.whole(step, flow)[0])
         return self._kept[1]
 
-    def measure(self, flow: Flow, start: float, passed: np.ndarray) -> Values:
-        """The values of a Flow with ghosts filled. Pressures are the deck's, forces those against the void's."""
+    def whole(self, step: int, flow: Flow) -> tuple[Totals, np.ndarray | None]:
+        """All liquid after `step` steps, and its momentum (3,) where that is wanted; found once for each."""
+        if self._whole is None or self._whole[0] != step:
+            momentum = np.zeros(3) if self.asked.momentum else None
+            self._whole = step, self._total(flow, momentum), momentum
+        return self._whole[1:]
+
+    def _total(self, flow: Flow, momentum: np.ndarray | None = None) -> Totals:
+        of = self.team, self.columns, self.grid, self.openings, flow, self.plan.rho, self.gravity, DUST
+        return total(*of, momentum)
+
+    def measure(self, flow: Flow, start: float, passed: np.ndarray, whole: Totals | None = None) -> Values:
+        """The values of a Flow with ghosts filled. Pressures are the deck's, forces those against the void's. whole:
+        its Totals, where they are known."""
         plan = self.plan
-        whole = total(self.team, self.columns, self.grid, self.openings, flow, plan.rho, self.gravity, DUST)
+        whole = self._total(flow) if whole is None else whole
         out: Values = {"fluid/volume": whole.volume}
         if flow.F is not None:
             out["fluid/volume_error"] = volume_error(whole.volume, start, passed)
@@ -117,7 +132,8 @@ def watch_of(
     """The Watch of a wet Model; walls and shear as in Asked."""
     names = {body.number: body.name for body in model.bodies}
     still = liquid.immersed.covers.still if liquid.immersed is not None else None
-    asked = Asked(model.output.probe_numbers, model.output.probes, names, walls, shear, still)
+    moving = still is not None and model.fluid.coupled_together  # else there is no book of momentum
+    asked = Asked(model.output.probe_numbers, model.output.probes, names, walls, shear, still, moving)
     (block,) = model.mesh.blocks
     return Watch(model.fluid, block, liquid.grid, liquid.openings, model.gravity, liquid.team, asked)
 

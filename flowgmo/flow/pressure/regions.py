@@ -16,9 +16,10 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.fields import G, Open
-from flowgmo.kernel import inner, kernel
+from flowgmo.kernel import free_kernel, inner, kernel
 
 Array = np.ndarray
+SPARE = 256  # runs and joins that a step may add before all are listed a second time
 
 
 @kernel
@@ -30,7 +31,7 @@ def _find(parent, a):
     return a
 
 
-@kernel
+@free_kernel
 def list_runs(V, Az, again, old_first, old_runs, old_number, first, runs, number):
     """Fill first (lines + 1,), runs (r, 2) as far as they reach, and number (r,): what their label is, -1 where it is
     not written yet; returns how many there are. again (lines,): those to be read; of the others the old ones hold."""
@@ -64,79 +65,79 @@ def list_runs(V, Az, again, old_first, old_runs, old_number, first, runs, number
 
 
 @inner
-def _beside(line, d, lines, joined):
-    """The line after a line along x (d 0) or y; -1 at the side of a domain that is not joined to the other one."""
-    i = line // lines[1]
-    j = line % lines[1]
-    if d == 0:
-        i += 1
-        if i == lines[0]:
-            i = 0 if joined[0] else np.int64(-1)
-    else:
-        j += 1
-        if j == lines[1]:
-            j = 0 if joined[1] else np.int64(-1)
+def _beside(i, j, d, lines, joined):
+    """The line after line (i, j) along x (d 0) or y; -1 at the side of a domain that is not joined to the other one."""
+    i += 1 - d
+    j += d
+    if i == lines[0]:
+        i = 0 if joined[0] else np.int64(-1)
+    if j == lines[1]:
+        j = 0 if joined[1] else np.int64(-1)
     return i * lines[1] + j if i >= 0 and j >= 0 else np.int64(-1)
 
 
-@kernel
+@free_kernel
 def list_joins(Ax, Ay, again, first, runs, joined, old_first, old_joins, out_first, joins):
     """Fill out_first (2 lines + 1,) and joins (n, 2) as far as it reaches: numbers of the runs within their lines, for
     each line those with the line after it along x, then along y; returns how many there are."""
     lines = Ax.shape[0] - 2 * G, Ax.shape[1] - 2 * G
     count = np.int64(0)
-    for line in range(lines[0] * lines[1]):
-        i = line // lines[1] + G
-        j = line % lines[1] + G
-        for d in range(2):
-            out_first[2 * line + d] = count
-            other = _beside(line, d, lines, joined)
-            if other < 0:
-                continue
-            if not again[line] and not again[other]:
-                for n in range(old_first[2 * line + d], old_first[2 * line + d + 1]):
-                    if count < len(joins):
-                        joins[count, 0] = old_joins[n, 0]
-                        joins[count, 1] = old_joins[n, 1]
-                    count += 1
-                continue
-            a = first[line]
-            b = first[other]
-            while a < first[line + 1] and b < first[other + 1]:
-                end = min(runs[a, 1], runs[b, 1])
-                k = max(runs[a, 0], runs[b, 0])
-                while k < end and (Ax[i, j, k] if d == 0 else Ay[i, j, k]) == 0.0:
-                    k += 1
-                if k < end:
-                    if count < len(joins):
-                        joins[count, 0] = a - first[line]
-                        joins[count, 1] = b - first[other]
-                    count += 1
-                ends = runs[a, 1]
-                if ends <= runs[b, 1]:
-                    a += 1
-                if runs[b, 1] <= ends:
-                    b += 1
+    line = np.int64(0)
+    for i in range(lines[0]):
+        for j in range(lines[1]):
+            for d in range(2):
+                out_first[2 * line + d] = count
+                other = _beside(i, j, d, lines, joined)
+                if other < 0:
+                    continue
+                if not again[line] and not again[other]:
+                    for n in range(old_first[2 * line + d], old_first[2 * line + d + 1]):
+                        if count < len(joins):
+                            joins[count, 0] = old_joins[n, 0]
+                            joins[count, 1] = old_joins[n, 1]
+                        count += 1
+                    continue
+                a = first[line]
+                b = first[other]
+                while a < first[line + 1] and b < first[other + 1]:
+                    end = min(runs[a, 1], runs[b, 1])
+                    k = max(runs[a, 0], runs[b, 0])
+                    while k < end and (Ax[i + G, j + G, k] if d == 0 else Ay[i + G, j + G, k]) == 0.0:
+                        k += 1
+                    if k < end:
+                        if count < len(joins):
+                            joins[count, 0] = a - first[line]
+                            joins[count, 1] = b - first[other]
+                        count += 1
+                    ends = runs[a, 1]
+                    if ends <= runs[b, 1]:
+                        a += 1
+                    if runs[b, 1] <= ends:
+                        b += 1
+            line += 1
     out_first[2 * lines[0] * lines[1]] = count
     return count
 
 
-@kernel
+@free_kernel
 def join_runs(Az, first, runs, join_first, joins, joined, parent):
     """parent (r,) becomes the number of each run's region, in the order of their first runs; returns how many."""
     lines = Az.shape[0] - 2 * G, Az.shape[1] - 2 * G
     high = np.int64(Az.shape[2] - G)
-    for line in range(lines[0] * lines[1]):
-        for d in range(2):
-            other = _beside(line, d, lines, joined)
-            for n in range(join_first[2 * line + d], join_first[2 * line + d + 1]):
-                a = _find(parent, np.int64(first[line] + joins[n, 0]))
-                parent[_find(parent, np.int64(first[other] + joins[n, 1]))] = a
-        if joined[2] and first[line] < first[line + 1]:
-            a, b = first[line], first[line + 1] - 1
-            open_face = Az[line // lines[1] + G, line % lines[1] + G, high - 1] > 0.0
-            if open_face and runs[a, 0] == G and runs[b, 1] == high:
-                parent[_find(parent, np.int64(b))] = _find(parent, np.int64(a))
+    line = np.int64(0)
+    for i in range(lines[0]):
+        for j in range(lines[1]):
+            for d in range(2):
+                other = _beside(i, j, d, lines, joined)
+                for n in range(join_first[2 * line + d], join_first[2 * line + d + 1]):
+                    a = _find(parent, np.int64(first[line] + joins[n, 0]))
+                    parent[_find(parent, np.int64(first[other] + joins[n, 1]))] = a
+            if joined[2] and first[line] < first[line + 1]:
+                a, b = first[line], first[line + 1] - 1
+                open_face = Az[i + G, j + G, high - 1] > 0.0
+                if open_face and runs[a, 0] == G and runs[b, 1] == high:
+                    parent[_find(parent, np.int64(b))] = _find(parent, np.int64(a))
+            line += 1
     number = np.full(len(parent), -1, np.int64)
     count = np.int64(0)
     for run in range(len(parent)):
@@ -150,7 +151,7 @@ def join_runs(Az, first, runs, join_first, joins, joined, parent):
     return count
 
 
-@kernel
+@free_kernel
 def write_labels(again, first, runs, number, region, label):
     """label of the lines that were read again or whose runs have other numbers now; number becomes region (r,)."""
     ny = label.shape[1] - 2 * G
@@ -168,7 +169,7 @@ def write_labels(again, first, runs, number, region, label):
             number[r] = region[r]
 
 
-@kernel
+@free_kernel
 def count_cells(first, runs, region, lines, high, held, cells, reached):
     """Per region: cells, and whether it touches a side that is `held` (6,)."""
     for line in range(lines[0] * lines[1]):
@@ -217,13 +218,13 @@ class Regions:
     def _list(self, again: Array) -> None:
         """Runs and joins as they are now."""
         V, Ax, Ay, Az = self.openings
-        first, size, count = np.empty_like(self._first), len(self._runs), 1
-        while count:  # a second time where there are more than before
+        first, size, count = np.empty_like(self._first), len(self._runs) + SPARE, 1
+        while count:  # a second time where there are many more than before
             runs, number = np.empty((size, 2), np.int32), np.empty(size, np.int64)
             found = list_runs(V, Az, again, self._first, self._runs, self._number, first, runs, number)
             count, size = max(found - size, 0), found
         self._first, self._runs, self._number = first, runs[:found], number[:found]
-        join_first, size, count = np.empty_like(self._join_first), len(self._joins), 1
+        join_first, size, count = np.empty_like(self._join_first), len(self._joins) + SPARE, 1
         while count:
             joins = np.empty((size, 2), np.int32)
             old = self._join_first, self._joins

@@ -69,3 +69,16 @@ def test_groups_are_what_rows_join(pairs, sizes):
     W[0, 35] = W[35, 0] = 1.0  # what joins bodies otherwise joins them here
     joined = [set(bodies // 6) for _, bodies in contact_rows._groups(W, rows)]
     assert all((0 in g) == (5 in g) for g in joined)
+
+
+def test_groups_that_are_known_are_looked_up():
+    """Another right-hand side for one group: that one alone is solved anew, and all is as found without knowing."""
+    W, start, rows, speed = scene(PILES)
+    known = {}
+    first = constrain(W, start, rows, speed, known)
+    before = len(known)
+    speed[0] += 1.0
+    again, plain = constrain(W, start, rows, speed, known), constrain(W, start, rows, speed)
+    assert before == 4 and len(known) == 5
+    assert all(np.array_equal(a, b) for a, b in zip(again, plain, strict=True))
+    assert not np.array_equal(first[1], again[1])

@@ -7,7 +7,7 @@ from flowgmo_flows import DOWN, GRAVITY, RHO, at_faces, block_of, flow_of, openi
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import G, Open, grid_of
 from flowgmo.flow.observe.loads import find_wall
-from flowgmo.flow.observe.momenta import momentum_of
+from flowgmo.flow.observe.measures import total
 from flowgmo.flow.observe.side_forces import Pressed, by_shear, by_sides, by_solids
 from flowgmo.flow.team import Team
 from flowgmo.mesh import PERIODIC, PRESSURE, SYMMETRY, VELOCITY, WALL
@@ -110,11 +110,14 @@ def test_momentum_of_liquid():
     u = at_faces(block, 0, lambda x, y, z: 1.0 + x + 2.0 * y)
     w = at_faces(block, 2, lambda x, y, z: z - 3.0 * x)
     flow = flow_of(block, u=u, w=w)
-    found = momentum_of(Team(2), columns, grid, NONE, flow, RHO)
+    found = np.empty(3)
+    total(Team(2), columns, grid, NONE, flow, RHO, np.zeros(3), 0.0, found)
     middle = [(grid[d][G:-G] @ centres_of(block)[d][G:-G]) for d in range(3)]
     wanted = [1.0 + middle[0] + 2.0 * middle[1], 0.0, middle[2] - 3.0 * middle[0]]
     assert found == pytest.approx(RHO * np.array(wanted), rel=1e-12)
     opened = openings_of(block, [np.array(BOXES[0])])[0]
     still_ = flow_of(block, u=u * (opened.Ax > 0.0), w=w * (opened.Az > 0.0))
-    args = Team(1), columns, grid, opened
-    assert np.array_equal(momentum_of(*args, flow, RHO), momentum_of(*args, still_, RHO))
+    both = np.empty((2, 3))
+    for f, out in zip((flow, still_), both, strict=True):
+        total(Team(1), columns, grid, opened, f, RHO, np.zeros(3), 0.0, out)
+    assert np.array_equal(*both)
