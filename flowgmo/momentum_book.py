@@ -29,6 +29,7 @@ from flowgmo.bodies.kicks import control_loads_at
 from flowgmo.flow.observe.body_loads import pressure_loads
 from flowgmo.flow.observe.side_forces import Pressed, by_shear, by_sides, by_solids
 from flowgmo.mesh import PERIODIC, SYMMETRY, WALL
+from flowgmo.world import poses_of
 
 if TYPE_CHECKING:
     from flowgmo.flow.observe.watch import Watch
@@ -71,7 +72,8 @@ class MomentumBook:
     def open(self, state: State) -> None:
         """At t = 0: nothing was given."""
         state.fluid.momenta = np.zeros((1 + len(GIVERS), 3))
-        state.fluid.momenta[0] = self.total(state, self.bodies.carried_along(state)[1])
+        beside = self.bodies.records.carried_along(state, self.bodies.middles(poses_of(state)))[1]
+        state.fluid.momenta[0] = self.total(state, beside)
 
     def values(self, state: State, beside: np.ndarray) -> dict[str, np.ndarray]:
         """As in history.h5; beside as in `total`."""

@@ -254,7 +254,7 @@ def liquid_values(world: World, state: State) -> dict:
     values = world.watch.at(state.step, flow, flow.start_volume, flow.passed)
     if world.wet_bodies is not None:
         wet = world.wet_bodies
-        kinetic, momentum = wet.carried_along(state)
+        kinetic, momentum = wet.records.carried_along(state, wet.middles(poses_of(state)))
         values = values | wet.records.wet_parts(flow, wet.names, state.p_WB)
         values = values | wet_energy(world, state, values, kinetic)
         if world.momentum is not None:

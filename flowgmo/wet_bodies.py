@@ -44,7 +44,6 @@ from flowgmo.wet_explicit import Explicit
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
 from flowgmo.wet_stops import let_go
-from flowgmo.world import poses_of
 
 if TYPE_CHECKING:
     from flowgmo.film import Film, StepFilms
@@ -375,10 +374,6 @@ class WetBodies:
         """The error, or one that says which body presses what."""
         (block,), sealed = self.model.mesh.blocks, self.liquid.projector.sealed
         return explained(error, sealed, self.liquid.immersed, self.velocities, self.names, block)
-
-    def carried_along(self, state: State) -> tuple[float, np.ndarray]:
-        """See WetLoads.carried_along."""
-        return self.records.carried_along(state, self.middles(poses_of(state)))
 
     def poses(self, motion: np.ndarray) -> list[Pose]:
         """Of the moving bodies, from motion (n,) POSE: x = R x0 + t, x0 the place at t = 0."""
