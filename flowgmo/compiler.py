@@ -156,6 +156,18 @@ class KernelCompiler(Compiler):
         return super().define_pipelines()
 
 
+class ApartCompiler(KernelCompiler):
+    """The same for kernels whose arrays do not overlap: loops need not look whether what one writes another one reads.
+
+    Without it numba's machine code compares the addresses of all arrays before each loop, so once a column, and with
+    more than a few arrays it does not vectorise at all.
+    """
+
+    def compile_extra(self, func: Any) -> Any:
+        self.state.flags.noalias = True
+        return super().compile_extra(func)
+
+
 class InnerCompiler(KernelCompiler):
     """The same for inner functions, with their passes."""
 

@@ -15,23 +15,25 @@ from numba import njit
 TESTED = ("0.68",)
 
 
-def pipelines(version: str) -> tuple[dict, dict]:
-    """Options that choose the compiler of kernels and of inner functions with this version of numba ("0.68.1")."""
+def pipelines(version: str) -> tuple[dict, dict, dict]:
+    """Options that choose the compiler of kernels, of inner functions, and of kernels of the flow with this version of
+    numba ("0.68.1")."""
     if ".".join(version.split(".")[:2]) not in TESTED:
-        return {}, {}
-    from flowgmo.compiler import InnerCompiler, KernelCompiler
+        return {}, {}, {}
+    from flowgmo.compiler import ApartCompiler, InnerCompiler, KernelCompiler
 
-    return {"pipeline_class": KernelCompiler}, {"pipeline_class": InnerCompiler}
+    return {"pipeline_class": KernelCompiler}, {"pipeline_class": InnerCompiler}, {"pipeline_class": ApartCompiler}
 
 
-_of_kernel, _of_inner = pipelines(numba.__version__)
+_of_kernel, _of_inner, _of_flow = pipelines(numba.__version__)
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **_of_kernel)
 inner = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_of_inner)
 #: As `kernel`, and releases Python's lock: what threads share that needs arrays of its own.
 free_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, **_of_kernel)
 #: A kernel of the flow: releases Python's lock, so that threads share its columns; a * b + c may be one operation. It
 #: makes no arrays, and does not count references to those that it was given (_nrt): counting them in every cell, for
-#: each inner function, costs more than the work.
+#: each inner function, costs more than the work. What it writes it reads under the same name only: no two of its arrays
+#: overlap (or only so that a loop reads and writes the same cell at once).
 flow_kernel = njit(
-    cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, fastmath={"contract"}, _nrt=False, **_of_kernel
+    cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, fastmath={"contract"}, _nrt=False, **_of_flow
 )

@@ -25,15 +25,12 @@ def columns_where(marked, lowest):
     n = np.int64(0)
     for i in range(G, nx - G):
         for j in range(G, ny - G):
-            found = False
+            bottom, top = np.int64(nz), np.int64(-1)
             for k in range(G, nz - G):  # without an early end: the loop vectorises, and most columns are dry
-                found |= marked[i, j, k] > lowest
-            if found:
-                bottom, top = G, nz - G - 1
-                while not marked[i, j, bottom] > lowest:
-                    bottom += 1
-                while not marked[i, j, top] > lowest:
-                    top -= 1
+                found = marked[i, j, k] > lowest
+                bottom = min(bottom, k if found else nz)
+                top = max(top, k if found else -1)
+            if top >= 0:
                 out[n, 0] = i
                 out[n, 1] = j
                 out[n, 2] = bottom

@@ -97,5 +97,5 @@ def test_garbage_collection_goes_on_after_a_kernel_and_after_a_failure():
 
 def test_other_versions_of_numba_take_their_own_way():
     """Hooks of a version that was never tried could compile nonsense; numba's own compiler is twice as slow."""
-    assert pipelines("0.69.0") == pipelines("1.0") == pipelines("0.6.8") == ({}, {})
+    assert pipelines("0.69.0") == pipelines("1.0") == pipelines("0.6.8") == ({}, {}, {})
     assert "pipeline_class" in pipelines("0.68.1")[0]

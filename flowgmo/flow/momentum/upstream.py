@@ -78,9 +78,13 @@ def end_value(U, below2, below, above, above2, slopes, m):
     forward = U > 0.0
     if slopes is None:
         return below if forward else above
+    # both sides are computed before one is taken: what is read on one side only becomes a read of single values
     b = above - below
-    a = (below - below2) * slopes.up_a[m] if forward else (above2 - above) * slopes.down_a[m]
-    scaled_b = b * slopes.up_b[m] if forward else b * slopes.down_b[m]
+    a_up, b_up = (below - below2) * slopes.up_a[m], b * slopes.up_b[m]
+    a_down, b_down = (above2 - above) * slopes.down_a[m], b * slopes.down_b[m]
+    a = a_up if forward else a_down
+    scaled_b = b_up if forward else b_down
     mean = a * (1.0 / 6.0) + scaled_b * (1.0 / 3.0)
     step = max(min(min(a, b), mean), 0.0) + min(max(max(a, b), mean), 0.0)
-    return below + step if forward else above - step
+    from_below, from_above = below + step, above - step
+    return from_below if forward else from_above

@@ -152,7 +152,7 @@ def total(
     if np.any(gravity):
         g, where = tuple(float(x) for x in gravity), heights(grid, gravity)
     opened = openings, openings.V
-    team.run(
+    team.run_uneven(
         sum_columns, columns, grid, *opened, steps_of(grid), flow.F, *flow.velocity, *where, g, least, sums, momenta
     )  # fmt: skip
     volume, kinetic, potential, wet = (math.fsum(column) for column in sums.T)

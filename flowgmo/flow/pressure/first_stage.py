@@ -31,13 +31,21 @@ def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet
     for c in range(first, last):
         i = np.int64(columns[c, 0])
         j = np.int64(columns[c, 1])
+        S = area_x[i] * area_y[j]
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):  # amid liquid: without a branch
+            plain = (wet[i, j, k] != 0) == (wet[i + di, j + dj, k + np.uint64(dk)] != 0)
+            area = S * area_z[k]
+            if A is not None:
+                area *= A[i, j, k]
+            gained = (q[i, j, k] - q[i + di, j + dj, k + np.uint64(dk)]) * b[i, j, k] / area
+            u[i, j, k] += gained if plain and b[i, j, k] > 0.0 else 0.0
         for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
-            if not b[i, j, k] > 0.0:
+            low = wet[i, j, k] != 0
+            if low == (wet[i + di, j + dj, k + dk] != 0) or not b[i, j, k] > 0.0:
                 continue
             e, f, g = i, j, k
-            low = wet[i, j, k] != 0
             at = i * di + j * dj + k * dk
-            if low != (wet[i + di, j + dj, k + dk] != 0) and G <= at < n - G - 1:
+            if G <= at < n - G - 1:
                 s = np.int64(-1 if low else 1)
                 behind = b[i + s * di, j + s * dj, k + s * dk] > 0.0
                 cell = np.int64(-1 if low else 2)

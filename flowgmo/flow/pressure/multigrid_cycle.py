@@ -70,19 +70,35 @@ def restrict(columns, first, last, fx, fy, fz, alone, p, r, bx, by, bz, diagonal
     for c in range(first, last):
         m = columns[c, 0]
         n = columns[c, 1]
-        i1 = min((m - G) * fx + G + fx, nx - G)
-        j1 = min((n - G) * fy + G + fy, ny - G)
-        for o in range(columns[c, 2], columns[c, 3]):
-            k0 = (o - G) * fz + G
-            k1 = min(k0 + fz, nz - G)
-            total = np.float32(0.0)
-            for i in range((m - G) * fx + G, i1):
-                for j in range((n - G) * fy + G, j1):
+        o0, o1 = np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
+        for o in range(o0, o1):
+            coarse[m, n, o] = 0.0
+        for i in range((m - G) * fx + G, min((m - G) * fx + G + fx, nx - G)):
+            for j in range((n - G) * fy + G, min((n - G) * fy + G + fy, ny - G)):
+                if alone and fz == 2:
+                    _add_colour(m, n, o0, o1, i, j, p, r, bx, by, bz, diagonal, coarse)
+                    continue
+                for o in range(columns[c, 2], columns[c, 3]):
+                    k0 = (o - G) * fz + G
+                    k1 = min(k0 + fz, nz - G)
                     begin_k = np.uint64(k0 + ((i + j + k0) & 1) if alone else k0)
                     for k in range(begin_k, np.uint64(k1), TWO if alone else ONE):
                         if diagonal[i, j, k] != 0.0:
-                            total += r[i, j, k] - diagonal[i, j, k] * p[i, j, k] + _neighbours(bx, by, bz, p, i, j, k)
-            coarse[m, n, o] = total
+                            left = r[i, j, k] - diagonal[i, j, k] * p[i, j, k]
+                            coarse[m, n, o] += left + _neighbours(bx, by, bz, p, i, j, k)
+
+
+@inner
+def _add_colour(m, n, o0, o1, i, j, p, r, bx, by, bz, diagonal, coarse):
+    """coarse += what one of the two fine cells of each coarse one in a fine column leaves, the one of colour 0.
+
+    Beyond the mesh, where the last coarse cell may have one only, the diagonal is 0.
+    """
+    low = np.uint64(G + ((i + j + G) & 1))
+    for o in range(o0, o1):
+        k = (o - np.uint64(G)) * TWO + low
+        left = r[i, j, k] - diagonal[i, j, k] * p[i, j, k] + _neighbours(bx, by, bz, p, i, j, k)
+        coarse[m, n, o] += left if diagonal[i, j, k] != 0.0 else np.float32(0.0)
 
 
 @flow_kernel
