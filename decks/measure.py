@@ -232,6 +232,9 @@ def main() -> None:
         print(f"{case}/{deck}")
         expected = reference(case, deck)
         for quantity, value in measure(results, case, deck).items():
+            if quantity not in expected:
+                print(f"  {quantity:28} {value:18.12g} {'no reference':>18}")
+                continue
             target, unit = expected[quantity]
             print(f"  {quantity:28} {value:18.12g} {target:18.12g} {unit:6} {value - target:10.1e}")
 
