@@ -107,7 +107,7 @@ OMXTOBS_EVENT OMYTOBS_EVENT OMZTOBS_EVENT | real | k m | 0.0 | radians/time | | 
 FORCES = """
 = computed
 IPRPMVB | int | m | 0 | - | 0 1 | M | mass data: 0 from densities, 1 given as a whole
-RHOMVB | real | m | 0.0 | mass/length3 | >= 0 | M | density of a body
+RHOMVB | real | m | 0.0 | mass/length3 | >= 0 | M | density of a body; at a free surface 1e-4 RHOF at least counts
 RHOSUB | real | n | RHOMVB(m) | mass/length3 | >= 0 | M | density of a subcomponent
 MASSMVB | real | m | - | mass | > 0 | M | mass of a body, IPRPMVB=1
 XMCMVB0 YMCMVB0 ZMCMVB0 | real | m | - | length | | M | {axis} of the mass centre at the start, IPRPMVB=1
