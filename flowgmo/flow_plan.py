@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.geometry import Component
-from flowgmo.mesh import GHOST_LAYERS, PERIODIC, Block
+from flowgmo.mesh import GHOST_LAYERS, PERIODIC, WALL, Block
 
 CELL_BYTES = 400  # every array of mesh size together, at most (what each part of flow/ may take adds up to this)
 MOST_COURANT = 0.5  # sum of the directional CFL numbers up to which the split is bounded: Weymouth & Yue 2010, sec. 3
@@ -55,6 +55,11 @@ class SidePlan:
     @property
     def axis(self) -> int:
         return self.number // 2
+
+    @property
+    def slides(self) -> bool:
+        """Whether it is a wall that ever moves along itself."""
+        return self.kind == WALL and self.velocity is not None and bool(self.velocity.any())
 
     @property
     def upper(self) -> bool:

@@ -72,8 +72,9 @@ def wet_energy(world: World, state: State, liquid: dict, beside: float) -> dict[
     """`energy/...` of an instant of a scene whose bodies move in liquid: coupled bodies and liquid together.
 
     liquid: its values, as of flow/observe/watch.py; beside [energy]: of what the bodies' walls carry along. The
-    remainder is what the step's method makes or loses: the liquid's advection, surface and friction, the impulsive
-    start of bodies, U of the end of the step along its way, and what open sides of the domain bring.
+    remainder is what the step's method makes or loses: the liquid's advection and surface, the impulsive start of
+    bodies, U of the end of the step along its way, and what open sides of the domain bring. What the liquid lost in
+    viscosity is in `dissipated`, beside what contacts and films took.
     `fluid/kinetic_energy` comes back with what the liquid beside the bodies has.
     """
     coupled, arrays = coupled_bodies(world.model), world.arrays
@@ -88,6 +89,10 @@ def wet_energy(world: World, state: State, liquid: dict, beside: float) -> dict[
     for name, place, sign in world.ledger:
         energy[name] = float(state.books[place])
         remainder -= sign * energy[name]
+    for name, sign in (("dissipated", -1.0), ("work_boundaries", 1.0)):
+        if f"fluid/{name}" in liquid:
+            energy[name] = energy.get(name, 0.0) + liquid[f"fluid/{name}"]
+            remainder -= sign * liquid[f"fluid/{name}"]
     energy["remainder"] = remainder
     return {"fluid/kinetic_energy": of_liquid} | {ENERGY + name: value for name, value in energy.items()}
 

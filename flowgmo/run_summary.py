@@ -77,7 +77,7 @@ def _liquid(state: State, world: World | None) -> dict:
     from flowgmo.step import liquid_values
 
     values = liquid_values(world, state)
-    names = ("volume", "volume_error", "kinetic_energy", "potential_energy")
+    names = ("volume", "volume_error", "kinetic_energy", "potential_energy", "dissipated", "work_boundaries")
     shown = {name: values[f"fluid/{name}"] for name in names if f"fluid/{name}" in values}
     return {"volume_error": shown.get("volume_error"), "liquid": shown | world.liquid.tally.summary()}
 

@@ -6,7 +6,8 @@ what the load does to them: all of it for a wholly prescribed body, and for one 
     T_kept = I_kf I_ff^-1 L_f - L_k        body axes; f solved for, k prescribed; L the moment about B (a fixed point)
 
 Work of a step is load times the way of the step, which is that of the velocities at its end (wet_bodies.py); of a
-prescribed body the way that its law goes.
+prescribed body the way that its law goes. What the liquid's friction gives to a body, and viscosity so does not lose
+(flow/momentum/viscous_work.py), is load times the mean of its velocities before and after: what its motion has of it.
 """
 
 from __future__ import annotations
@@ -123,6 +124,8 @@ class WetLoads:
         if self.loads.film is not None:
             for b, film in zip(self.movers, self.loads.film, strict=True):
                 books[LOST_IN_FRICTION] -= film @ way_of(before[b], after[b])
+        if self.loads.shear is not None:
+            self.liquid.friction[0] -= self._work_of_shear(before, after, wet, dt)
         for b in self.driven:
             books[FROM_PRESCRIBED] -= loads[int(b)] @ way_of(before[b], after[b])
         if self.pushed:  # the engine booked the liquid's load as it books control loads
@@ -136,6 +139,17 @@ class WetLoads:
             weight = np.concatenate([body["mass"] * body["gravity"], np.zeros(3)])
             books[FROM_LOADS] += dt * control[b] @ U
             books[FROM_PRESCRIBED] += dt * kept(body, R[b], control[b] + weight + loads[b]) @ U
+
+    def _work_of_shear(self, before: np.ndarray, after: np.ndarray, wet: list[int], dt: float) -> float:
+        """[energy] that the liquid's friction gives the bodies in a step; arguments as of `book`."""
+        work = 0.0
+        for b, shear in zip(self.movers, self.loads.shear, strict=True):
+            if self.pushed or b not in wet:
+                work += float(shear @ way_of(before[b], after[b]))
+            else:  # they go the way of the end's velocity; their motion gains by the mean of both
+                ends = [np.concatenate([one[b]["v"], one[b]["w"]]) for one in (before, after)]
+                work += 0.5 * dt * float(shear @ (ends[0] + ends[1]))
+        return work
 
 
 def way_of(before: np.void, after: np.void) -> np.ndarray:

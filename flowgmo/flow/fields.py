@@ -42,7 +42,8 @@ class Flow:
     dt [time]: the length of the last step; pace [time]: how long it might have been but for an impact that cut it
     short, which the next one may grow from. 0 at the start.
     start_volume [length3] of liquid at t = 0, start_energy its kinetic and potential energy; passed (6,) [length3]:
-    liquid that came in through each side since. momenta (7, 3): the book of momentum (momentum_book.py), None where no
+    liquid that came in through each side since. friction (2,) [energy]: lost in viscosity since then, and what sides
+    that slide gave (momentum/viscous_work.py). momenta (7, 3): the book of momentum (momentum_book.py), None where no
     body moves in the liquid.
     """
 
@@ -55,6 +56,7 @@ class Flow:
     start_volume: float = 0.0
     start_energy: float = 0.0
     passed: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    friction: np.ndarray = field(default_factory=lambda: np.zeros(2))
     p_before: np.ndarray | None = None
     pace: float = 0.0
     momenta: np.ndarray | None = None

@@ -1,6 +1,7 @@
 """The liquid of a scene: what its steps need and keep, made once.
 
-Bytes per cell: fields 48, open fractions 32, here 78, pressure equation 56 + 33 (projection.py, multigrid.py).
+Bytes per cell: fields 48, open fractions 32, here 78 (with viscosity 102), pressure equation 56 + 33
+(projection.py, multigrid.py).
 """
 
 from __future__ import annotations
@@ -77,6 +78,7 @@ class Liquid:
         self.surface_limit = surface_limit(grid, self.gravity, self.present) if plan.free_surface else np.inf
         self.tracking = tracking_of(grid, CARRY[plan.tracking]) if plan.free_surface else None
         self.entered = np.zeros(6)  # [length3] liquid that came in through each side in the step just made
+        self.friction = np.zeros(2)  # [energy] of the step just made, as Flow.friction
         self.walls = {}  # body number -> (cells (n, 3), face shares (n, 6)) of the wall it makes
         self.near = self.faces = self.about = all_columns(self.shape)
         self._found = None  # the fraction whose columns these are, until the next one is stored
@@ -140,6 +142,7 @@ class Liquid:
         if flow.F is not None:
             flow.F, self.F = self.F, flow.F
             flow.passed = flow.passed + self.entered
+        flow.friction = flow.friction + self.friction
         flow.dt = flow.pace = dt
         if self.immersed is not None:
             self.immersed.settle()

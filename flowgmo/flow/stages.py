@@ -44,6 +44,8 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
         if a is not None:
             run(fill, liquid.about, 0.0, a)
     add = liquid.momentum.add_accelerations
+    if liquid.momentum.work is not None:
+        liquid.momentum.work.begin(liquid.faces)
     gradients = liquid.projector.gradients(flow.p, liquid.momentum.slivers, old)
     liquid.sides.loosen(old, flow.F, DUST)
     add(liquid.faces, old, flow.F, liquid.acceleration, dt, gradients, t1 - dt)
@@ -124,6 +126,9 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     liquid.courant = rate * dt
     if rate * dt > MOST_COURANT:
         raise StepTooLong(f"the liquid crosses {rate * dt:.3g} of a cell in a step")
+    if liquid.momentum.work is not None:
+        held = None if liquid.immersed is None else [None if one is None else one[0] for one in liquid.immersed.held]
+        liquid.friction[:] = liquid.momentum.work.close(liquid.faces, flow.velocity, new, flow.F, dt, held)
     return solved
 
 

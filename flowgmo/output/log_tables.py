@@ -126,8 +126,9 @@ def _effects_cost(costs: dict) -> Table:
 def _liquid(liquid: dict, units: str) -> Table:
     """Volume and energies at the end, what the steps were bounded by, how the pressure was solved (flow/tally.py)."""
     table = _table("liquid", ("", "right"))
-    for name, quantity in (("volume", "volume"), ("kinetic_energy", "energy"), ("potential_energy", "energy")):
+    for name in ("volume", "kinetic_energy", "potential_energy", "dissipated", "work_boundaries"):
         if liquid.get(name) is not None:
+            quantity = "volume" if name == "volume" else "energy"
             table.add_row(name.replace("_", " "), f"{liquid[name]:.6g} {unit(quantity, units)}")
     if liquid.get("volume_error") is not None:
         table.add_row("volume error", f"{liquid['volume_error']:.2e}")

@@ -110,6 +110,7 @@ OUTPUT = "tpltd(1)=.13, tapltd(1)=.05, thpltd(1)=.017,"
 SCENES = {
     "pushed, full": tank(output=OUTPUT, bodies="ball", full=True),
     "leaves": tank(output=OUTPUT, bodies="box").replace("roty(1)", "wtobs(1,1)=3., roty(1)"),  # the water
+    "oil": tank(output=OUTPUT, bodies="box", xput="ifvisc=1, iwsh=1,").replace("rhof=1000.0,", "rhof=1000., mu1=8.,"),
     "both": tank(output=OUTPUT, grafic="xloc(1)=.41, yloc(1)=.35, zloc(1)=.31,", flowgmo="planex(1)=.5,"),
 }
 

@@ -44,8 +44,8 @@ class CutViscosity(NamedTuple):
 
 
 @flow_kernel
-def diffuse_cut(rows, first, last, ci, cj, ck, q, F, c, V, s, speed, factor, limit, gradient, out):
-    """out += factor (sum c_n (q_n - q) + s (speed - q)) / V on cut faces.
+def diffuse_cut(rows, first, last, ci, cj, ck, q, F, c, V, s, speed, factor, limit, gradient, out, change):
+    """out and change (None: not wanted) += factor (sum c_n (q_n - q) + s (speed - q)) / V on cut faces.
 
     speed None: the walls are at rest. gradient (n,) [length/time2]: grad p / rho of the last step; with it, out holds
     all other accelerations before, and slivers are made heavier as above, W by limit = dt nu. None: by V as it is, at
@@ -69,8 +69,13 @@ def diffuse_cut(rows, first, last, ci, cj, ck, q, F, c, V, s, speed, factor, lim
         whole = max(V[r], limit * least)
         if whole > 0.0:
             if gradient is not None:
-                out[i, j, k] += (out[i, j, k] - gradient[r]) * (min(V[r] / whole, 1.0) - 1.0)
+                slower = (out[i, j, k] - gradient[r]) * (min(V[r] / whole, 1.0) - 1.0)
+                out[i, j, k] += slower
+                if change is not None:
+                    change[i, j, k] += slower
             out[i, j, k] += factor * total / whole
+            if change is not None:
+                change[i, j, k] += factor * total / whole
 
 
 @inner

@@ -23,6 +23,7 @@ from flowgmo.flow.momentum.advection import add_advection, make_schemes
 from flowgmo.flow.momentum.implicit_viscosity import add_implicit_viscosity
 from flowgmo.flow.momentum.prediction import add
 from flowgmo.flow.momentum.viscosity import add_viscosity, make_viscosity, viscous_limit
+from flowgmo.flow.momentum.viscous_work import ViscousWork
 from flowgmo.flow.momentum.wall_shear import find_side_walls, slide
 from flowgmo.flow.team import Team
 from flowgmo.flow_plan import FluidPlan, SidePlan, SideValues
@@ -50,6 +51,10 @@ class Momentum:
         self.sort_faces()
         self.renew()
         self.scratch = tuple(np.zeros(shape) for _ in range(4)) if self.implicit else ()
+        self.work: ViscousWork | None = None
+        if self.nu > 0.0:
+            joined = [sides.plans[2 * d].kind == PERIODIC for d in range(3)]
+            self.work = ViscousWork(team, grid, openings, present, joined, plan.rho, self.nu)
 
     def sort_faces(self, cells: np.ndarray | None = None) -> None:
         """Sort the faces by the open fractions as they are now; `renew` has to follow.
@@ -155,8 +160,10 @@ class Momentum:
             if self.friction is not None:
                 self.friction.meet(velocity)
             add_viscosity(
-                self.team, columns, self.operators, tuple(velocity), F, tuple(acceleration), self.nu, dt, gradients
-            )
+                self.team, columns, self.operators, tuple(velocity), F, tuple(acceleration), self.nu, dt, gradients,
+                self.work.changes,
+            )  # fmt: skip
+            self.work.note_sides(self.side_walls, velocity, F)
 
     @property
     def slivers(self) -> tuple:
@@ -170,11 +177,14 @@ class Momentum:
         if not self.implicit:
             return
         self._slide(self.sides.values)
+        self.work.before(columns, velocity)
         if self.friction is not None:
             self.friction.diffuse(velocity, partial(self._solve, columns, velocity, F, dt, "all"),
                                   partial(self._solve, columns, velocity, F, dt, "walls"))  # fmt: skip
         else:
             self._solve(columns, velocity, F, dt, "all")
+        self.work.after(columns, velocity)
+        self.work.note_sides(self.side_walls, velocity, F)
         self.sides.fill_velocity(velocity)  # joined sides changed on one side only
 
     def _solve(self, columns: np.ndarray, velocity: list, F: np.ndarray | None, dt: float, by: str) -> None:

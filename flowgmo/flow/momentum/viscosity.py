@@ -47,8 +47,8 @@ class Viscosity(NamedTuple):
 
 
 @flow_kernel
-def diffuse(columns, first, last, ci, cj, ck, q, F, x, y, z, plain, bit, factor, out):
-    """out += factor laplacian(q) on plain faces; x, y, z: Conduct, None where absent."""
+def diffuse(columns, first, last, ci, cj, ck, q, F, x, y, z, plain, bit, factor, out, change):
+    """out and change (None: not wanted) += factor laplacian(q) on plain faces; x, y, z: Conduct, None where absent."""
     for c in range(first, last):
         i = U64(columns[c, 0])
         j = U64(columns[c, 1])
@@ -81,6 +81,8 @@ def diffuse(columns, first, last, ci, cj, ck, q, F, x, y, z, plain, bit, factor,
             if plain is not None:
                 total = total if (plain[i, j, k] & bit) != 0 else 0.0
             out[i, j, k] += factor * total
+            if change is not None:
+                change[i, j, k] += factor * total
 
 
 def _conduct(d: Array, h: Array, *, own: bool) -> Conduct:
@@ -153,22 +155,23 @@ def apply(
     limit: float,
     moving: bool = True,
     gradient: Array | None = None,
+    change: Array | None = None,
 ) -> None:
     """out += factor (laplacian q + wall terms) of component c; moving False: as if all walls were at rest.
 
-    limit, gradient: cut_viscosity.diffuse_cut.
+    limit, gradient: cut_viscosity.diffuse_cut; change: gets the same added as out.
     """
     steps = STEPS[c]
     _, plain, bit, cut, sides = operator
-    team.run(diffuse, columns, *steps, q, F, *operator.conducts, plain, bit, factor, out)
+    team.run(diffuse, columns, *steps, q, F, *operator.conducts, plain, bit, factor, out, change)
     if cut is not None:
         team.run(
             diffuse_cut, cut.rows, *steps, q, F, cut.c, cut.V, cut.s, cut.speed if moving else None, factor, limit,
-            gradient, out,
+            gradient, out, change,
         )  # fmt: skip
     if sides is not None:
         speed = sides.speed if moving else None
-        team.run(shear_sides, sides.rows, *steps, q, F, sides.s, speed, factor, out)
+        team.run(shear_sides, sides.rows, *steps, q, F, sides.s, speed, factor, out, change)
 
 
 def add_viscosity(
@@ -181,16 +184,18 @@ def add_viscosity(
     nu: float,
     dt: float,
     gradients: tuple[Array | None, ...] = (None, None, None),
+    changes: tuple[Array | None, ...] = (None, None, None),
 ) -> None:
     """Add nu laplacian(u) and the walls' shear [length/time2] to the acceleration of the columns' upper faces.
 
     velocity (u, v, w) on faces, both ghost layers as without shear (mirrored at walls); F [-] None without a free
     surface; dt the step, for which slivers are kept stable; gradients: grad p / rho of the last step on the cut faces
-    of each component (projection.Projector.gradients). Closed faces and faces in air keep their acceleration.
+    of each component (projection.Projector.gradients); changes: get
+    the same added as the acceleration. Closed faces and faces in air keep their acceleration.
     """
     for c, (operator, q, out) in enumerate(zip(operators, velocity, acceleration, strict=True)):
         if operator is not None:
-            apply(team, columns, c, operator, q, F, nu, out, nu * dt, gradient=gradients[c])
+            apply(team, columns, c, operator, q, F, nu, out, nu * dt, gradient=gradients[c], change=changes[c])
 
 
 def viscous_limit(grid: Grid, nu: float, present: tuple[bool, bool, bool] = (True, True, True)) -> float:

@@ -168,8 +168,8 @@ def solid_shear(rows, first, last, ci, cj, ck, V, Ax, Ay, Az, dx, dy, dz, out):
 
 
 @flow_kernel
-def shear_sides(rows, first, last, ci, cj, ck, q, F, s, speed, factor, out):
-    """out += factor s (speed - q) on wet faces; speed None: at rest."""
+def shear_sides(rows, first, last, ci, cj, ck, q, F, s, speed, factor, out, change):
+    """out and change (None: not wanted) += factor s (speed - q) on wet faces; speed None: at rest."""
     for r in range(first, last):
         i = U64(rows[r, 0])
         j = U64(rows[r, 1])
@@ -179,6 +179,8 @@ def shear_sides(rows, first, last, ci, cj, ck, q, F, s, speed, factor, out):
             if speed is not None:
                 wall = speed[r]
             out[i, j, k] += factor * s[r] * (wall - q[i, j, k])
+            if change is not None:
+                change[i, j, k] += factor * s[r] * (wall - q[i, j, k])
 
 
 @flow_kernel

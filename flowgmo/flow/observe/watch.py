@@ -1,6 +1,7 @@
 """All that is recorded of the liquid, at one instant: a flat dict of numbers with the names of history.h5.
 
     fluid/volume  fluid/volume_error  fluid/kinetic_energy  fluid/potential_energy  fluid/wet_share
+    fluid/dissipated  fluid/work_boundaries
     boundaries/Xmin/volume ...        planes/1/flow ...
     probes/1/p  .../u v w F height    bodies/NAME/force  .../torque force_pressure force_shear wetted_area
 
@@ -97,6 +98,10 @@ class Watch:
             out["fluid/volume_error"] = volume_error(whole.volume, start, passed)
             out["fluid/wet_share"] = whole.wet / self.cells
         out |= {"fluid/kinetic_energy": whole.kinetic, "fluid/potential_energy": whole.potential}
+        if plan.mu:
+            out["fluid/dissipated"] = float(flow.friction[0])
+            if any(plan.no_slip and side.slides for side in plan.sides):
+                out["fluid/work_boundaries"] = float(flow.friction[1])
         if flow.F is not None:
             open_sides = [side.number for side in plan.sides if side.kind not in (SYMMETRY, WALL)]
             out |= {f"boundaries/{SIDE_NAMES[s]}/volume": float(passed[s]) for s in open_sides}

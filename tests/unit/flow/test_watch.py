@@ -119,7 +119,7 @@ def test_shear_is_summed_with_its_moment():
 def watch_of(block, openings=NONE, walls=None, planes=(), **asked):
     sides = tuple(SidePlan(s, PRESSURE if s == 1 else WALL, np.zeros(1)) for s in range(6))
     loads = tuple(LoadPlan(n, np.zeros(3), True) for n in (2, 3)) if walls else ()
-    plan = SimpleNamespace(rho=RHO, void_pressure=1e5, planes=planes, loads=loads, sides=sides)
+    plan = SimpleNamespace(rho=RHO, void_pressure=1e5, mu=None, planes=planes, loads=loads, sides=sides)
     values = {"probe_numbers": (3,), "probe_points": [[0.1, 0.2, 0.3]], "names": {2: "rock", 3: "away"}}
     values |= {"walls": walls or {}, "shear": {}} | asked
     return Watch(plan, block, grid_of(block), openings, DOWN, Team(1), Asked(**values))
@@ -206,7 +206,7 @@ def measured(scale, rho, rate):
     sides = tuple(SidePlan(s, PRESSURE, np.zeros(1)) for s in range(6))
     lo = scale * np.array([0.1, 0.2, 0.3])
     planes = (FlowPlane(1, 1, scale * 0.37, lo, 2 * lo),)
-    plan = SimpleNamespace(rho=rho, void_pressure=0.0, planes=planes, sides=sides)
+    plan = SimpleNamespace(rho=rho, void_pressure=0.0, mu=None, planes=planes, sides=sides)
     plan.loads = (LoadPlan(1, scale * np.array([0.5, 0.1, 0.3]), True),)
     points = scale * random.random((20, 3))
     asked = Asked(range(20), points, {1: "rock"}, {1: walls[0]}, {})

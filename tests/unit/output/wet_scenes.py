@@ -29,11 +29,13 @@ PROBES = ((1, (0.7, 0.4, 0.1)), (3, (1.9, 0.4, 0.05)))
 def tank(scenes, n=(40, 16, 20), end=1.5, rock=True, ratio=1.3, bodies=None, **more):
     """Model of a tank with two probes, a plane, and the load of the rock. `made` holds its Open and walls."""
     block = block_of(n, hi=(LENGTH, WIDTH, TALL), ratio=ratio)
-    sides = tuple(SidePlan(s, 2, np.zeros(1)) for s in range(6))
+    sides = tuple(SidePlan(s, 2, np.zeros(1), np.array([[0.3 * (s == 5), 0.0, 0.0]])) for s in range(6))
     inf = np.full(3, np.inf)
     bodies = ([scenes.box(1, "rock", *ROCK)] if rock else []) if bodies is None else bodies
     plan = SimpleNamespace(
         rho=RHO,
+        mu=1.0,
+        no_slip=True,
         void_pressure=0.0,
         free_surface=True,
         sides=sides,
