@@ -158,7 +158,8 @@ def _stages_with_bodies(
     def arrive(world: World, state: State, t1: float, room: Room) -> None:
         wet.impacts.check_ways(poses_of(state), room.motion, room.impacts, state.t, t1)
         liquid.immersed.arrive(wet.poses(room.motion))
-        wet.records.book(room.books, poses_of(state), room.motion, wet.wet, wet.middle, t1 - state.t)
+        of = poses_of(state), room.motion, wet.wet, wet.blows
+        wet.records.book(room.books, *of, wet.middle, t1 - state.t)
 
     def move_liquid(world: World, state: State, t1: float, room: Room) -> None:
         stages.move_liquid(liquid, state.fluid, t1 - state.t, state.step)

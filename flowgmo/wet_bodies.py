@@ -39,10 +39,12 @@ from flowgmo.mesh import SYMMETRY, WALL
 from flowgmo.model import Model
 from flowgmo.pressed import explained
 from flowgmo.state import State
+from flowgmo.wet_blows import SHORT, Blow, find_struck, strike
 from flowgmo.wet_contacts import Contacts, held_contacts
 from flowgmo.wet_explicit import Explicit
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
+from flowgmo.wet_shapes import axis_of, ball_centre, reach_of
 from flowgmo.wet_stops import let_go
 
 if TYPE_CHECKING:
@@ -68,9 +70,9 @@ class WetBodies:
         self.coupled = np.array([b for b in self.movers if motion[b] != DRIVEN and solved[b]], dtype=np.int64)
         self.driven = np.array([b for b in self.movers if b not in self.coupled], dtype=np.int64)
         self.place = {int(b): k for k, b in enumerate(self.movers)}  # among the moving ones
-        self.reach = np.array([_reach(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers])
-        self.axes = [_axis(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
-        self.balls = [_ball_centre(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
+        self.reach = np.array([reach_of(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers])
+        self.axes = [axis_of(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
+        self.balls = [ball_centre(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
         self.cell = min(float(np.diff(x).min()) for x, n in zip(
             model.mesh.blocks[0].planes, model.mesh.blocks[0].shape, strict=True
         ) if n > 1)  # fmt: skip
@@ -94,6 +96,7 @@ class WetBodies:
 
             self.film = Film(model, self.coupled, liquid.immersed.covers.open.V)
         self.squeezed = np.zeros((len(arrays), 6))  # by films
+        self.struck, self.blows = np.zeros(0, bool), dict[int, Blow]()
 
     # ---- the length of a step
 
@@ -253,6 +256,8 @@ class WetBodies:
         self.rubbed = shear[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.kicked += self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.rubbed)
         self.contacts = self.contacts_held(state, motion) if self.wet and len(state.held_parts) else None
+        short = self.loaded and self.dt <= SHORT * self.liquid.projector.ease
+        self.struck = short & find_struck(self.arrays, self.wet, state.held_parts[:, :2])
         self.films = self._films(flow, motion) if self.film is not None and self.wet else None
         self.turns, self.parts = 0, {}
 
@@ -347,6 +352,8 @@ class WetBodies:
         """Velocities U (wet, 6) at the end of the step into motion and rows, or loads (wet, 6) to move on with."""
         if self.loaded:
             self.planned = 0.5 * (U + np.hstack([motion["v"][self.wet], motion["w"][self.wet]]))
+            self.blows = strike(self.arrays, self.wet, self.struck, U, self.dt * self.planned, motion)
+            self.planned[self.struck] = U[self.struck]
             self._load(loads, motion)
             return
         if motion["hold"][self.wet].any():
@@ -365,6 +372,8 @@ class WetBodies:
         loads = np.zeros((len(motion), 6))
         control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, loads)
         loads[self.wet] += of_liquid
+        for b, blow in self.blows.items():
+            loads[b] = blow.told
         entries, first = self.flying_laws.entries, self.flying_laws.rows["first"]
         for b in self.coupled:
             for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):
@@ -382,27 +391,9 @@ class WetBodies:
         return [Pose(*one) for one in zip(R, t, strict=True)]
 
 
-def _reach(shape: object, origin: np.ndarray) -> float:
-    """Farthest point of a shape from `origin` [length], at most; inf where it has no end."""
-    low, high = shape.bounds()
-    return float(np.linalg.norm(np.maximum(np.abs(low - origin), np.abs(high - origin))))
-
-
 def pack_with_loads(model: Model) -> tuple[np.ndarray, Laws | None]:
     """The bodies as arrays, coupled ones with a constant force and moment on B that are set in every step."""
     some = Table(np.zeros(1), np.ones(1))  # not zero, so that each becomes a law of its own
     load = ControlLoads((some,) * 3, (some,) * 3, in_body_axes=False)
     bodies = tuple(replace(body, loads=load) if body.coupled else body for body in model.bodies)
     return pack(bodies, model.gravity)
-
-
-def _axis(shape: object, origin: np.ndarray) -> np.ndarray | None:
-    """(2, 3) from `origin` to a point of the axis of a body of revolution, and its direction; None of others."""
-    axis = getattr(shape, "as_revolved", lambda: None)()
-    return None if axis is None else np.stack([axis[0] - origin, axis[1]])
-
-
-def _ball_centre(shape: object, origin: np.ndarray) -> np.ndarray | None:
-    """Centre of a ball from `origin`; None where a shape is no ball."""
-    ball = getattr(shape, "as_sphere", lambda: None)()  # tests bring shapes of their own
-    return None if ball is None else ball[0] - origin

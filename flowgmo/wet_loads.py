@@ -23,6 +23,7 @@ from flowgmo.flow.observe.beside_bodies import beside_bodies
 from flowgmo.flow.observe.body_loads import BodyLoads, pressure_loads, resting_fluxes, wetted_area
 from flowgmo.flow.observe.buoyancy import buoyancy_centre
 from flowgmo.state import FROM_LOADS, FROM_PRESCRIBED, LOST_IN_FRICTION, State
+from flowgmo.wet_blows import Blow
 
 
 class WetLoads:
@@ -116,40 +117,61 @@ class WetLoads:
     # ---- work
 
     def book(
-        self, books: np.ndarray, before: np.ndarray, after: np.ndarray, wet: list[int], middle: float, dt: float
-    ) -> None:
-        """Add a step's work to the books: before, after (n,) POSE; wet: coupled bodies that the liquid touches; middle
-        [time] of the step."""
+        self, books: np.ndarray, before: np.ndarray, after: np.ndarray, wet: list[int], blows: dict[int, Blow],
+        middle: float, dt: float,
+    ) -> None:  # fmt: skip
+        """Add a step's work to the books: before, after (n,) POSE; wet: coupled bodies that the liquid touches, blows:
+        of wet_blows.py, by row; middle [time] of the step."""
         loads = dict(zip(self.movers.tolist(), self.loads.total, strict=True))
         if self.loads.film is not None:
             for b, film in zip(self.movers, self.loads.film, strict=True):
-                books[LOST_IN_FRICTION] -= film @ way_of(before[b], after[b])
+                books[LOST_IN_FRICTION] -= film @ (blows[b].way if b in blows else way_of(before[b], after[b]))
         if self.loads.shear is not None:
-            self.liquid.friction[0] -= self._work_of_shear(before, after, wet, dt)
+            self.liquid.friction[0] -= self._work_of_shear(before, after, wet, blows, dt)
         for b in self.driven:
             books[FROM_PRESCRIBED] -= loads[int(b)] @ way_of(before[b], after[b])
         if self.pushed:  # the engine booked the liquid's load as it books control loads
-            for b in wet:
-                books[FROM_LOADS] -= loads[b] @ way_of(before[b], after[b])
+            self._book_pushed(books, before, after, wet, blows, middle)
             return
-        control, R = np.zeros((len(before), 6)), rotation_matrices(before["q"])
-        control_loads_at(np.array(wet, dtype=np.int64), self.arrays, self.laws, before, middle, control)
+        control, R = self._control(before, wet, middle), rotation_matrices(before["q"])
         for b in wet:  # they fly without weight and control loads
             U, body = np.concatenate([after["v"][b], after["w"][b]]), self.arrays[b]
             weight = np.concatenate([body["mass"] * body["gravity"], np.zeros(3)])
             books[FROM_LOADS] += dt * control[b] @ U
             books[FROM_PRESCRIBED] += dt * kept(body, R[b], control[b] + weight + loads[b]) @ U
 
-    def _work_of_shear(self, before: np.ndarray, after: np.ndarray, wet: list[int], dt: float) -> float:
+    def _work_of_shear(
+        self, before: np.ndarray, after: np.ndarray, wet: list[int], blows: dict[int, Blow], dt: float
+    ) -> float:
         """[energy] that the liquid's friction gives the bodies in a step; arguments as of `book`."""
         work = 0.0
         for b, shear in zip(self.movers, self.loads.shear, strict=True):
             if self.pushed or b not in wet:
-                work += float(shear @ way_of(before[b], after[b]))
+                work += float(shear @ (blows[b].way if b in blows else way_of(before[b], after[b])))
             else:  # they go the way of the end's velocity; their motion gains by the mean of both
                 ends = [np.concatenate([one[b]["v"], one[b]["w"]]) for one in (before, after)]
                 work += 0.5 * dt * float(shear @ (ends[0] + ends[1]))
         return work
+
+    def _control(self, motion: np.ndarray, wet: list[int], middle: float) -> np.ndarray:
+        """(n, 6): control loads on bodies `wet` of motion (n,) POSE; zero for others."""
+        out = np.zeros((len(motion), 6))
+        control_loads_at(np.array(wet, dtype=np.int64), self.arrays, self.laws, motion, middle, out)
+        return out
+
+    def _book_pushed(
+        self, books: np.ndarray, before: np.ndarray, after: np.ndarray, wet: list[int], blows: dict[int, Blow],
+        middle: float,
+    ) -> None:  # fmt: skip
+        """Take from FROM_LOADS what the engine has booked there beside the work of control loads."""
+        loads = dict(zip(self.movers.tolist(), self.loads.total, strict=True))
+        control = self._control(before, wet, middle) if blows else None
+        for b in wet:
+            way = way_of(before[b], after[b])
+            if b not in blows:
+                books[FROM_LOADS] -= loads[b] @ way
+                continue
+            books[FROM_LOADS] += control[b] @ blows[b].way - blows[b].told @ way
 
 
 def way_of(before: np.void, after: np.void) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Decks with bodies that move in liquid, and steps of them."""
 
+import re
 from pathlib import Path
 
 from flowgmo_wet import wet
@@ -63,6 +64,12 @@ def begin(text, threads=1):
         build.default_threads = threads_before
     start_liquid(world, state)
     return world, state
+
+
+def hair(text, draw):
+    """The deck with gravity changed by so many 1e-8: another draw of what is chaotic."""
+    g = re.search(r"gz=(-?[0-9.]+)", text)
+    return text.replace(g.group(0), f"gz={float(g.group(1)) * (1.0 + draw * 1e-8)!r}")
 
 
 def play(text, steps, threads=1, each=None):
