@@ -35,6 +35,8 @@ from flowgmo.flow.immersed.contact_rows import constrain
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.liquid import Liquid
+from flowgmo.flow.pressure.overfull import strongest
+from flowgmo.flow_plan import speed_in_sight
 from flowgmo.mesh import SYMMETRY, WALL
 from flowgmo.model import Model
 from flowgmo.pressed import explained
@@ -77,6 +79,8 @@ class WetBodies:
             model.mesh.blocks[0].planes, model.mesh.blocks[0].shape, strict=True
         ) if n > 1)  # fmt: skip
         self.velocities = np.zeros((len(self.movers), 6))
+        low, high = model.mesh.bounds
+        self.in_sight = speed_in_sight(model.fluid, np.asarray(model.gravity, float), np.subtract(high, low))
         liquid.immersed.weight = model.fluid.rho * np.asarray(model.gravity)
         liquid.immersed.rho = model.fluid.rho
         liquid.immersed.gravity = np.asarray(model.gravity, float)
@@ -134,7 +138,8 @@ class WetBodies:
         middle = self.poses_then(told, t0, 0.5 * (t0 + t1))
         m = self.movers
         ways = np.linalg.norm(then["p"][m] - motion["p"][m], axis=1)  # a jump within the step may be over at its end
-        ways = np.maximum(ways, self.speeds(then["v"], then["w"]) * dt) - self.apart(motion["p"])
+        speeds = self.speeds(then["v"], then["w"])
+        ways = np.maximum(ways, speeds * dt) - self.apart(motion["p"])
         way = float(ways.max(initial=0.0))
         if way > 2.0 * TRAVEL * self.cell:
             raise StepTooLong(f"a body crosses {way / self.cell:.3g} of a cell in a step")
@@ -144,6 +149,8 @@ class WetBodies:
             flow, self.poses(then), self.poses(middle), places, self.velocities, self.middles(then), dt
         )
         self._bound_edges(dt)
+        fastest = max(self.in_sight, float(speeds.max(initial=0.0)))
+        self.liquid.projector.strength = strongest(self.model.fluid.rho, fastest)
         self.liquid.find_columns(flow.F, self.liquid.immersed.uncovered)
         self._meet_walls(flow, motion, t0, t1, places, held)
         self.liquid.immersed.fill_short(self.liquid.team, self.liquid.faces, flow, dt)

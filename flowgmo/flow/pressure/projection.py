@@ -27,6 +27,7 @@ from flowgmo.flow.pressure.conjugate_gradients import ConjugateGradients, Solved
 from flowgmo.flow.pressure.exits import Exits
 from flowgmo.flow.pressure.face_flows import difference, net_inflow, push
 from flowgmo.flow.pressure.multigrid import Multigrid
+from flowgmo.flow.pressure.overfull import none_overfull, overfull
 from flowgmo.flow.pressure.pressure_matrix import (
     add_give,
     clear,
@@ -108,6 +109,8 @@ class Projector:
     ) -> None:
         self.grid, self.openings, self.sides, self.team, self.rho, self.beta = grid, openings, sides, team, rho, beta
         self.ease = 0.0  # [time] in which PUSH of an excess leaves, where steps are shorter
+        self.strength = np.inf  # [stress] with which it is pushed out at most (overfull.py)
+        self.over = none_overfull()
         shape = tuple(len(d) for d in (grid.dx, grid.dy, grid.dz))
         b = [np.zeros(shape) if n > 1 + 2 * G else None for n in shape]
         none = np.zeros((0, 4), np.int32)
@@ -221,6 +224,9 @@ class Projector:
         voids.begin(out, velocity, m.b, F, self.q, self.wet, dt, guess)
         if before is not None:
             run(foresee, m.faces, p, before, dt / self.rho, self.wet, self.q)
+        ease = max(dt, self.ease)
+        if F is not None and self.strength < np.inf and self.beta is None:
+            self.over = overfull(F, self.openings.V, p, self.grid, self.rho, self.strength, dt, ease)
         iterations, again, last = 0, True, self.solves + MOST_SOLUTIONS
         changed, release = None, guess  # once: opened again and again, a thin cell ended at 160 kPa of suction
 
@@ -236,8 +242,7 @@ class Projector:
             return found
 
         while again:
-            self._set_matrix(dt, changed)
-            ease = max(dt, self.ease)
+            free = self._set_matrix(dt, changed)
             run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, ease, self.right)
             voids.enter(self.right)
             if source is not None:
@@ -246,6 +251,7 @@ class Projector:
             if self.beta is None:
                 self._balance(velocity, F, dt, tolerance)
             solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most, full, *coupled)
+            m.diagonal[self.over.cells] = free  # answers to impacts take no time, in which nothing gives way
             self.solves += 1
             iterations += solved.iterations
             if not solved.converged:
@@ -278,17 +284,29 @@ class Projector:
 
     def answer(self, velocity: list, coupling: Coupling, tolerance: float) -> Solved:
         """Push velocity by q = the answer of liquid and bodies to self.right [length3/time], with the equation as it
-        was last solved. tolerance [1/time]: share of a cell that its faces may miss in a unit of time."""
-        m = self.matrix
-        self.sealed.balance(m.columns, self.wet, self.right, MUCH)
+        was last solved. tolerance [1/time]: share of a cell that its faces may miss in a unit of time.
+
+        An impulse has no length to bind what it drives into a pocket: that is bound by the room of a step to come.
+        """
+        m, voids, last = self.matrix, self.voids, self.solves + MOST_SOLUTIONS
+        dt, self.over = voids.known[-1], none_overfull()
+        voids.wait(max(dt, self.ease))
         self.q.fill(0.0)
-        solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance, 100, None, coupling)
+        while True:
+            self.sealed.balance(m.columns, self.wet, self.right, MUCH)
+            solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance, 100, None, coupling)
+            self.solves += 1
+            before = voids.shut.copy()
+            if not solved.converged or self.solves >= last or not voids.shut_pockets_hit(self.q, tolerance, self.right):
+                break
+            self._set_matrix(dt, voids.shut != before)
         self.sides.join(self.q)
         self.push(velocity)
         return solved
 
-    def _set_matrix(self, dt: float, changed: np.ndarray | None = None) -> None:
-        """The diagonal, with the lids that are open, and the preconditioner.
+    def _set_matrix(self, dt: float, changed: np.ndarray | None = None) -> np.ndarray:
+        """The diagonal, with the lids that are open, and the preconditioner. Returns what it is in overfull cells
+        without what these give way.
 
         changed (voids,): which were shut or opened since it was last set, None at the start of a step.
         """
@@ -299,19 +317,25 @@ class Projector:
         give = None if self.beta is None else self.beta * self.rho / dt**2
         self.team.run(diagonals, m.faces, self.grid, V, self.wet, *m.b, give, m.diagonal)
         m.diagonal[lids] += held
+        over = self.over.cells
+        free = m.diagonal[over]
+        yielding = np.where(free > 0.0, self.over.give, 0.0)
+        m.diagonal[over] += yielding
 
         def hold(surface: np.ndarray, scale: float) -> None:
+            surface[over] += (scale * yielding).astype(surface.dtype)
             if give is not None:
                 self.team.run(add_give, m.columns, self.grid, V, self.wet, give, scale, surface)
             surface[lids] += (scale * held).astype(surface.dtype)
 
         if self.multigrid is None:
-            return
+            return free
         if changed is None:
             self.multigrid.rebuild(m.faces, m.columns, self.ends, m.arrays, self.matrix_scale, hold)
         else:  # an open lid adds to its cell's diagonal, an open pocket is no unknown any more
             more = np.where(np.flatnonzero(changed) < len(held), 1.0, -1.0) * (m.diagonal[at] - before)
             self.multigrid.mend(voids.cells[changed], m.diagonal[at], more, self.matrix_scale)
+        return free
 
     def _balance(self, velocity: list, F: np.ndarray | None, dt: float, tolerance: float) -> None:
         """The flows of sealed liquid add up to nothing."""

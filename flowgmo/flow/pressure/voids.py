@@ -134,3 +134,21 @@ class Voids:
         self.wet[own] = self.shut_pockets
         q[own] *= self.shut_pockets
         return bool((self.shut != before).any())
+
+    def wait(self, dt: float) -> None:
+        """From now on bounds are for steps of dt, and flows those of the velocities as they have become."""
+        self.known = *self.known[:-1], dt
+
+    def shut_pockets_hit(self, q: np.ndarray, slack: float, right: np.ndarray) -> bool:
+        """Shut open pockets that an impulse q drives more into than their bound and `slack` [1/time] of their cell, and
+        enter what is left to them into `right`; whether there are any."""
+        if not len(self.pockets):
+            return False
+        self._look(q)
+        n = len(self.lids.cells)
+        hit = (self.flow[n:] > self.most[n:] + slack * self.volume[n:]) & ~self.shut_pockets
+        own = tuple(self.pockets[hit].T)
+        self.shut[n:] |= hit
+        self.wet[own] = 1
+        right[own] = (self.pocket_inflow - self.most[n:])[hit]
+        return bool(hit.any())
