@@ -86,7 +86,7 @@ def _expected_step(model: Model, fluid: FluidPlan, height: np.ndarray, wet: np.n
     with np.errstate(over="ignore", divide="ignore"):
         bodies = _speed_of_bodies(model)
         speed = max(speed_in_sight(fluid, np.zeros(3), np.zeros(3)), BESIDE * bodies)
-        least = min(least, 0.5 * sizes.min() / np.float64(bodies))  # TRAVEL of wet_bodies.py
+        least = min(least, 0.5 * sizes.min() / np.float64(bodies))  # TRAVEL of wet_ways.py
         if fluid.free_surface:
             speed = max(speed, np.sqrt(2.0 * g * _fall(fluid, model, height, wet)))
             least = min(least, fluid.steps.surface_courant * np.sqrt(sizes.min() / (np.pi * np.float64(g))))

@@ -86,7 +86,7 @@ class Pace:
         """As long as the liquid allows; the last two steps before a landing share what is left."""
         t, clock = self.state.t, self.model.clock
         state, wet = self.state, world.wet_bodies
-        bodies = wet.longest_step(state.v_WB, state.w_WB, state.p_WB) if wet is not None else np.inf
+        bodies = wet.ways.longest_step(state.v_WB, state.w_WB, state.p_WB) if wet is not None else np.inf
         longest = world.liquid.longest_step(state.fluid, clock.dt, bodies)
         if longest < clock.dt_min and world.liquid.limiting != "growth":
             raise StepFailed(

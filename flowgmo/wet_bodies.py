@@ -28,7 +28,7 @@ from flowgmo.bodies.inverse_masses import block_diagonal, inverse_masses, turned
 from flowgmo.bodies.kicks import control_loads_at, kick
 from flowgmo.bodies.laws import Laws
 from flowgmo.bodies.move import move_alone
-from flowgmo.errors import StepFailed, StepTooLong
+from flowgmo.errors import StepFailed
 from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, weight_of_displaced
 from flowgmo.flow.immersed.contact_rows import constrain
@@ -46,13 +46,13 @@ from flowgmo.wet_contacts import Contacts, held_contacts
 from flowgmo.wet_explicit import Explicit
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
-from flowgmo.wet_shapes import axis_of, ball_centre, reach_of
+from flowgmo.wet_shapes import axis_of, ball_centre
 from flowgmo.wet_stops import let_go
+from flowgmo.wet_ways import Ways
 
 if TYPE_CHECKING:
     from flowgmo.film import Film, StepFilms
 
-TRAVEL = 0.5  # of a cell: no point of a body crosses more in a step (DESIGN 3)
 EDGE = 0.1  # of a cell: of bodies from a hundredth of the liquid's density on nothing is taken away
 SLACK = 1e-3  # of the speed that gravity gives in a step: an approach that a contact row may leave
 MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
@@ -72,17 +72,14 @@ class WetBodies:
         self.coupled = np.array([b for b in self.movers if motion[b] != DRIVEN and solved[b]], dtype=np.int64)
         self.driven = np.array([b for b in self.movers if b not in self.coupled], dtype=np.int64)
         self.place = {int(b): k for k, b in enumerate(self.movers)}  # among the moving ones
-        self.reach = np.array([reach_of(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers])
+        self.ways = Ways(model, arrays, self.movers)
         self.axes = [axis_of(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
         self.balls = [ball_centre(model.bodies[b].shape, arrays[b]["origin"]) for b in self.movers]
-        self.cell = min(float(np.diff(x).min()) for x, n in zip(
-            model.mesh.blocks[0].planes, model.mesh.blocks[0].shape, strict=True
-        ) if n > 1)  # fmt: skip
         self.velocities = np.zeros((len(self.movers), 6))
         low, high = model.mesh.bounds
         self.in_sight = speed_in_sight(model.fluid, np.asarray(model.gravity, float), np.subtract(high, low))
         liquid.immersed.weight = model.fluid.rho * np.asarray(model.gravity)
-        liquid.immersed.rho = model.fluid.rho
+        liquid.immersed.rho, liquid.immersed.in_sight = model.fluid.rho, self.in_sight
         liquid.immersed.gravity = np.asarray(model.gravity, float)
         liquid.immersed.solved = np.isin(self.movers, self.coupled)
         liquid.immersed.no_exit = not any(plan.kind not in (SYMMETRY, WALL) for plan in liquid.sides.plans)
@@ -102,25 +99,6 @@ class WetBodies:
         self.squeezed = np.zeros((len(arrays), 6))  # by films
         self.struck, self.blows = np.zeros(0, bool), dict[int, Blow]()
 
-    # ---- the length of a step
-
-    def longest_step(self, v: np.ndarray, w: np.ndarray, p: np.ndarray) -> float:
-        """[time] in which no point of a moving body crosses more than TRAVEL cells of the domain. v, w, p (n, 3) of all
-        bodies, p of B."""
-        ways, speeds = TRAVEL * self.cell + self.apart(p), self.speeds(v, w)
-        return float(np.min(ways[speeds > 0.0] / speeds[speeds > 0.0], initial=np.inf))
-
-    def apart(self, p: np.ndarray) -> np.ndarray:
-        """(movers,) [length]: how far each body is from the domain at least, 0 inside. p (n, 3) of B of all bodies."""
-        low, high = self.model.mesh.bounds
-        off = np.maximum(np.maximum(low - p[self.movers], p[self.movers] - high), 0.0)
-        return np.maximum(np.linalg.norm(off, axis=1) - self.reach, 0.0)
-
-    def speeds(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """(movers,) [length/time] that no point of a moving body exceeds. v, w (n, 3) of all bodies."""
-        reach = np.where(np.isfinite(self.reach), self.reach, 0.0)
-        return np.linalg.norm(v[self.movers], axis=1) + reach * np.linalg.norm(w[self.movers], axis=1)
-
     def stand(self, motion: np.ndarray) -> None:
         """Before the first step: the open fractions are those of the poses motion (n,) POSE, t = 0 or of a file."""
         self.liquid.immersed.covers.sweep(self.poses(motion))
@@ -137,19 +115,13 @@ class WetBodies:
         dt, then = t1 - t0, self.poses_then(told, t0, t1)
         middle = self.poses_then(told, t0, 0.5 * (t0 + t1))
         m = self.movers
-        ways = np.linalg.norm(then["p"][m] - motion["p"][m], axis=1)  # a jump within the step may be over at its end
-        speeds = self.speeds(then["v"], then["w"])
-        ways = np.maximum(ways, speeds * dt) - self.apart(motion["p"])
-        way = float(ways.max(initial=0.0))
-        if way > 2.0 * TRAVEL * self.cell:
-            raise StepTooLong(f"a body crosses {way / self.cell:.3g} of a cell in a step")
+        fastest = max(self.in_sight, self.ways.check(motion, then, dt))
         places = 0.5 * (motion["p"][m] + then["p"][m])
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
         self.liquid.immersed.begin(
             flow, self.poses(then), self.poses(middle), places, self.velocities, self.middles(then), dt
         )
         self._bound_edges(dt)
-        fastest = max(self.in_sight, float(speeds.max(initial=0.0)))
         self.liquid.projector.strength = strongest(self.model.fluid.rho, fastest)
         self.liquid.find_columns(flow.F, self.liquid.immersed.uncovered)
         self._meet_walls(flow, motion, t0, t1, places, held)
@@ -165,7 +137,7 @@ class WetBodies:
             if edge is None:
                 continue
             size = self.model.fluid.rho * float(np.abs(edge).sum())
-            most = EDGE * self.cell * mass / dt**2
+            most = EDGE * self.ways.cell * mass / dt**2
             if size > most:
                 fluxes[k] = fluxes[k]._replace(edge=edge * (most / size))
 

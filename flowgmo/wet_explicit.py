@@ -138,7 +138,7 @@ class Explicit:
         for n, U in zip(self.wet, free, strict=True):
             k = b.place[int(n)]
             a = (U - np.concatenate([motion["v"][n], motion["w"][n]])) / dt
-            a[3:] *= b.reach[k] if np.isfinite(b.reach[k]) else 0.0
+            a[3:] *= b.ways.reach[k] if np.isfinite(b.ways.reach[k]) else 0.0
             if self.swings[int(n)].grows(a, least):
                 raise StepFailed(self._diverged(b.names[k], self.swings[int(n)], t0))
 

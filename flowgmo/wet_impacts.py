@@ -71,12 +71,12 @@ class WetImpacts:
             return
         from flowgmo.collision.stage import meetings
 
-        speeds = of.speeds(motion["v"], motion["w"])
+        speeds = of.ways.speeds(motion["v"], motion["w"])
         for hit, pairs, approach in meetings(world, state, motion, of.coupled, t1):
             bodies = [b for b in np.unique(pairs) if b in of.place]
             most = min(approach, sum(speeds[of.place[b]] for b in bodies))
             share = max(AFTER * (hit - state.t) / dt, LEAST)
-            if 2.0 * most * (t1 - hit) / of.cell > ASTRAY and share < CLOSE:
+            if 2.0 * most * (t1 - hit) / of.ways.cell > ASTRAY and share < CLOSE:
                 raise StepTooLong(f"body {of.names[of.place[bodies[0]]]} will be hit in the step", share)
 
     def check_ways(
@@ -93,8 +93,8 @@ class WetImpacts:
         for n, b in enumerate(of.wet):
             astray = way_of(before[b], after[b]) - dt * of.planned[n]
             k = of.place[b]
-            reach = of.reach[k] if of.balls[k] is None else 0.0
-            off = float(np.linalg.norm(astray[:3]) + reach * np.linalg.norm(astray[3:])) / of.cell
+            reach = of.ways.reach[k] if of.balls[k] is None else 0.0
+            off = float(np.linalg.norm(astray[:3]) + reach * np.linalg.norm(astray[3:])) / of.ways.cell
             hit = first_impact(impacts, b)
             pushed = hit < t1 and float(of.squeezed[b] @ way_of(before[b], after[b])) > 0.0  # films hold back
             if off <= ASTRAY and not pushed:

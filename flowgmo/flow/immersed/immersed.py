@@ -106,6 +106,7 @@ class Immersed:
         self.weight = np.zeros(3)  # of the liquid, rho g
         self.gravity = np.zeros(3)
         self.rho = 1.0
+        self.in_sight = 0.0  # [length/time] that liquid may come with anywhere
         self.swept = None
         self.cells = np.zeros((0, 3), np.int32)
         self.sorted = None  # numbers of the cells whose open fractions were other than `covers` has them: not yet any
@@ -240,8 +241,9 @@ class Immersed:
         return some
 
     def _find_driven(self, places: np.ndarray, velocities: np.ndarray) -> Driven:
-        """Where prescribed bodies cover some of the cells, and the largest speed (n,) of these there."""
-        numbers, found = self._numbers(self.cells), Driven(np.zeros(len(self.cells), bool), np.zeros(len(self.cells)))
+        """Where prescribed bodies cover some of the cells, and the largest speed (n,) of these there, in sight at least."""
+        numbers, n = self._numbers(self.cells), len(self.cells)
+        found = Driven(np.zeros(n, bool), np.full(n, self.in_sight))
         for k in np.flatnonzero(~self.solved):
             covered = self.shares[k].cells[self.swept.covered[k] > 0.0]
             at, U = np.searchsorted(numbers, self._numbers(covered)), velocities[k]

@@ -7,8 +7,9 @@ draw L / dt at each end, the faster the shorter the step is. Liquid comes with w
     growth / (dt * sum of A S to liquid)   <=   TWICE max(U, sqrt(2 p / rho))     p [stress] above that of the void
 
 for each group of cells that open together; groups that would need more are void. (Once would do, but that a flat wall
-that leaves the mesh's planes one by one needs U itself, to round-off.) A coupled body is not torn off: its
-velocity and the pressure are one solution, in which the liquid holds it back.
+that leaves the mesh's planes one by one needs U itself, to round-off. And what gravity gives in the domain counts as U
+too: a round body that turns back opens slivers through faces that are open for an instant.) A coupled body is not torn
+off: its velocity and the pressure are one solution, in which the liquid holds it back.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ def torn(
 ) -> np.ndarray:  # fmt: skip
     """(n,) bool: cells (n, 3), in C order and closed before the step, that liquid cannot fill within it.
 
-    rates (n,) [length3/time] of their open volumes, speeds (n,) [length/time] of the bodies that open them.
+    rates (n,) [length3/time] of their open volumes, speeds (n,) [length/time] of the bodies that open them, or what is
+    to be expected in the scene, if that is more.
     """
     numbers = np.ravel_multi_index(tuple(cells.T.astype(np.int64)), around.V.shape)
     links, inlets = [], []  # pairs of these cells; cell, [length2] and p of each of their faces to liquid

@@ -46,7 +46,7 @@ class Scene:
         self.liquid, self.wet = self.world.liquid, self.world.wet_bodies
 
     def longest(self):
-        bodies = self.wet.longest_step(self.state.v_WB, self.state.w_WB, self.state.p_WB)
+        bodies = self.wet.ways.longest_step(self.state.v_WB, self.state.w_WB, self.state.p_WB)
         return self.liquid.longest_step(self.state.fluid, self.model.clock.dt, bodies)
 
     def step(self, dt):
