@@ -241,7 +241,7 @@ class Immersed:
         return some
 
     def _find_driven(self, places: np.ndarray, velocities: np.ndarray) -> Driven:
-        """Where prescribed bodies cover some of the cells, and the largest speed (n,) of these there, in sight at least."""
+        """Where prescribed bodies cover some of the cells, and the largest speed (n,) of these or in sight there."""
         numbers, n = self._numbers(self.cells), len(self.cells)
         found = Driven(np.zeros(n, bool), np.full(n, self.in_sight))
         for k in np.flatnonzero(~self.solved):
