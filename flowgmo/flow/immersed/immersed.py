@@ -231,13 +231,14 @@ class Immersed:
         void = self._torn(flow, closed, self.growth / dt)[closed] | (weight == 0.0)
         flow.F[tuple(at.T)] = np.where(void, 0.0, mean)
 
-    def _torn(self, flow: Flow, which: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    def _torn(self, flow: Flow, which: np.ndarray, rates: np.ndarray, *, amid: bool = False) -> np.ndarray:
         """(n,) bool: of `which` (n,) bool of the cells, those that prescribed bodies open and liquid cannot fill with
         rates (n,) [length3/time]."""
         some = which & self.driven_by.any & (self.growth > 0.0)
         if some.any():
             around = Around(self.covers.open.V, self.open[1:], flow.F, flow.p)
-            some[some] = torn(self.cells[some], rates[some], self.driven_by.speeds[some], around, self.grid, self.rho)
+            of = self.cells[some], rates[some], self.driven_by.speeds[some], around, self.grid, self.rho
+            some[some] = torn(*of, amid=amid)
         return some
 
     def _find_driven(self, places: np.ndarray, velocities: np.ndarray) -> Driven:
@@ -320,7 +321,8 @@ class Immersed:
         if self.driven_by.any.any():
             rows = tuple(self.cells.T)
             lacks = PUSH * (1.0 - flow.F[rows]) * self.covers.open.V[rows] * self.volumes
-            voids = self._numbers(self.cells[self._torn(flow, flow.F[rows] < 0.5, (self.growth + lacks) / dt)])
+            void = self._torn(flow, flow.F[rows] < 0.5, (self.growth + lacks) / dt, amid=True)
+            voids = self._numbers(self.cells[void])
         self.short = ShortCells(team, columns, flow.F, self.open.V, self.open[1:], voids)
 
     def restore_short(self) -> None:

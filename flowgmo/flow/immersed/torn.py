@@ -37,15 +37,21 @@ class Around(NamedTuple):
 
 
 def torn(
-    cells: np.ndarray, rates: np.ndarray, speeds: np.ndarray, around: Around, grid: Grid, rho: float
+    cells: np.ndarray, rates: np.ndarray, speeds: np.ndarray, around: Around, grid: Grid, rho: float, *,
+    amid: bool = False,
 ) -> np.ndarray:  # fmt: skip
-    """(n,) bool: cells (n, 3), in C order and closed before the step, that liquid cannot fill within it.
+    """(n,) bool: cells (n, 3), in C order and closed or nearly void before the step, that liquid cannot fill within it.
 
     rates (n,) [length3/time] of their open volumes, speeds (n,) [length/time] of the bodies that open them, or what is
-    to be expected in the scene, if that is more.
+    to be expected in the scene, if that is more. amid: only groups amid liquid; where a void is beside them they are
+    cells at the surface like others.
     """
     numbers = np.ravel_multi_index(tuple(cells.T.astype(np.int64)), around.V.shape)
-    links, inlets = [], []  # pairs of these cells; cell, [length2] and p of each of their faces to liquid
+    links, inlets, airy = (
+        [],
+        [],
+        np.zeros(len(numbers), bool),
+    )  # pairs of these cells; cell, [length2] and p of each of their faces to liquid
     sizes = [d[cells[:, k]] for k, d in enumerate(grid[:3])]
     for d, A in enumerate(around.areas):
         section = sizes[(d + 1) % 3] * sizes[(d + 2) % 3]
@@ -55,7 +61,10 @@ def torn(
             other = np.minimum(np.searchsorted(numbers, beyond), len(numbers) - 1)
             also = numbers[other] == beyond
             links.append(np.column_stack([np.arange(len(numbers)), other])[also & (area > 0.0)])
-            wet = np.flatnonzero(~also & (area > 0.0) & _liquid(around, beyond))
+            outside = ~also & (area > 0.0)
+            liquid = _liquid(around, beyond)
+            airy |= outside & ~liquid & (around.V.reshape(-1)[beyond] > 0.0)
+            wet = np.flatnonzero(outside & liquid)
             inlets.append((wet, area[wet], around.p.reshape(-1)[beyond[wet]]))
     count, group = _groups(np.concatenate(links), len(numbers))
     growth, inlet = np.bincount(group, rates, count), np.zeros(count)
@@ -64,7 +73,10 @@ def torn(
     for wet, area, p in inlets:
         np.add.at(inlet, group[wet], area)
         np.maximum.at(head, group[wet], p)
-    return (growth > inlet * TWICE * np.maximum(speed, np.sqrt(2.0 * head / rho)))[group]
+    found = growth > inlet * TWICE * np.maximum(speed, np.sqrt(2.0 * head / rho))
+    if amid:
+        found &= np.bincount(group, airy, count) == 0.0
+    return found[group]
 
 
 def _liquid(around: Around, numbers: np.ndarray) -> np.ndarray:
