@@ -21,7 +21,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from flowgmo.flow.fields import Grid
+from flowgmo.flow.fields import G, Grid
 
 TWICE = 2.0
 
@@ -56,14 +56,16 @@ def torn(
     for d, A in enumerate(around.areas):
         section = sizes[(d + 1) % 3] * sizes[(d + 2) % 3]
         stride = A.strides[d] // A.itemsize
-        for face, beyond in ((numbers, numbers + stride), (numbers - stride, numbers - stride)):
+        for face, way in ((numbers, 1), (numbers - stride, -1)):
+            beyond, at = numbers + way * stride, cells[:, d] + way
+            inside = (at >= G) & (at < A.shape[d] - G)
             area = A.reshape(-1)[face] * section
             other = np.minimum(np.searchsorted(numbers, beyond), len(numbers) - 1)
             also = numbers[other] == beyond
             links.append(np.column_stack([np.arange(len(numbers)), other])[also & (area > 0.0)])
             outside = ~also & (area > 0.0)
             liquid = _liquid(around, beyond)
-            airy |= outside & ~liquid & (around.V.reshape(-1)[beyond] > 0.0)
+            airy |= outside & inside & ~liquid & (around.V.reshape(-1)[beyond] > 0.0)
             wet = np.flatnonzero(outside & liquid)
             inlets.append((wet, area[wet], around.p.reshape(-1)[beyond[wet]]))
     count, group = _groups(np.concatenate(links), len(numbers))
