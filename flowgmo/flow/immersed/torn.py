@@ -23,7 +23,7 @@ from scipy.sparse.csgraph import connected_components
 
 from flowgmo.flow.fields import G, Grid
 
-TWICE = 2.0
+TWICE = 2.0  # once is what a flat wall needs; a choice, not varied
 
 
 class Around(NamedTuple):
