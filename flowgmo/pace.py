@@ -53,6 +53,8 @@ class Pace:
                 self._note_step(world, state.t - began_at, most)
                 return report, landing
             except StepTooLong as error:
+                if world.liquid is None:
+                    raise StepFailed(f"{error}. Steps are DELT long where there is no liquid") from error
                 most = (error.share or _shorter(world.liquid)) * (t1 - state.t)
                 if error.share is not None:  # an impact; it says nothing about the flow
                     self.free = max(self.free, t1 - state.t)

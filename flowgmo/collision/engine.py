@@ -30,10 +30,12 @@ from flowgmo.collision.paths import HELD
 from flowgmo.collision.sleep import Sleep
 from flowgmo.collision.strike import Striker
 from flowgmo.collision.watch import Watch
+from flowgmo.errors import StepTooLong
 from flowgmo.world import Room
 
 MOST_EVENTS = 3000  # in one leg, after which all impacts are plastic: at 3 ms each a user waits ten seconds
 LEAST_LOST = 1e-3  # of 1 - e: with less, 1000 bounces are none that end soon
+MOST_LEGS = 1e5  # in a step: minutes to hours of it, for bodies that turn by 1e4 in it
 AT_ONCE = 1e-6  # of a leg: events nearer to each other than this count as at one time
 STALLED = 50  # events at one time after which impacts with e < 1 are plastic
 CRUSHED = 200  # events at one time after which all are: a driven body leaves an elastic one ever less room
@@ -133,7 +135,7 @@ class Engine:
         return max(float(dots(other - v, contacts["normal"]).max()), 0.0)
 
     def _leg(self, now: float, t1: float) -> float:
-        """One leg from now; returns its end, at which all bodies stand."""
+        """One leg from now; returns its end, at which all bodies stand. Raises StepTooLong."""
         arena = self.arena
         contacts, resting = self._touching()
         if self.watch.located:
@@ -144,6 +146,8 @@ class Engine:
         longest = self.holder.longest_legs(contacts).min(initial=np.inf)
         longest = min(longest, self.watch.longest(), self.crowd.longest_leg(contacts))
         legs = max(1, int(np.ceil((t1 - now) / longest * (1.0 - 1e-9)))) if np.isfinite(longest) else 1
+        if legs > MOST_LEGS:
+            raise StepTooLong(f"bodies that touch move so fast that the step would need {legs:.1e} parts")
         end = t1 if legs == 1 else now + (t1 - now) / legs
         awake = arena.movers[self.sleep.asleep[arena.movers] == 0]
         self.held = merge(resting, self.holder.hold(contacts, awake, now, end, self.crowd.busy))

@@ -14,10 +14,15 @@ from flowgmo.collision.extents import pairs_of_boxes, pairs_with, sweep_boxes
 from flowgmo.collision.gather import KEPT, gather
 from flowgmo.collision.sweep import next_events
 from flowgmo.collision.touching import MOST_POINTS
+from flowgmo.errors import StepTooLong
 
 NEVER = np.inf
 TOGETHER = 1e-6  # of a leg: pairs that touch nearer to each other in time than this are looked at together
 CLOSE = 1e-6  # of the smaller reach: points of one pair this near when it hits take part, as the ends of an edge do
+MOST_SEARCHES = (
+    100  # of one pair for its next event, of 2400 looks each, .2 to 1 s in all; scenes of decks/hard need none,
+)
+# but for bodies that turn so fast that each look may go on a little only
 SLACK = 2.0  # times `touch`: searches for one and the same instant end anywhere between half of it and the whole
 
 
@@ -101,8 +106,10 @@ class Watch:
     def next(self) -> tuple[float, np.ndarray]:
         """Time and pairs (k, 2) of the earliest event; infinity if there is none. What gave up is taken up again.
 
-        With it come the pairs that touch within TOGETHER of a leg: what is symmetric stays so.
+        With it come the pairs that touch within TOGETHER of a leg: what is symmetric stays so. Raises StepTooLong where
+        one pair is taken up without end.
         """
+        searches: dict[int, int] = {}
         while len(self.times):
             k = int(np.argmin(self.times))
             first = float(self.times[k])
@@ -111,9 +118,22 @@ class Watch:
             if self.sure[k]:
                 which = (self.times <= first + TOGETHER * (self.end - self.now)) & (self.sure == 1)
                 return first, self.pairs[which]
+            searches[k] = searches.get(k, 0) + 1
+            if searches[k] > MOST_SEARCHES:
+                raise StepTooLong(self._without_end(self.pairs[k]))
             times, sure = self._events(self.pairs[k : k + 1], self.held, first)
             self.times[k], self.sure[k] = times[0], sure[0]
         return NEVER, self.pairs[:0]
+
+    def _without_end(self, pair: np.ndarray) -> str:
+        """What to say of a pair (2,) whose next event is not found."""
+        arena = self.arena
+        one, two = (arena.name(int(b)) for b in pair)
+        fastest = max(float(np.linalg.norm(arena.motion["w"][b])) for b in pair)
+        return (
+            f"no end to the search for when {one} and {two} touch: they turn with up to {fastest:.3g} a unit of time, "
+            "too fast for the step"
+        )
 
     def forget(self, met: np.ndarray) -> None:
         """Pairs met (k, 2) have no more events in this leg."""

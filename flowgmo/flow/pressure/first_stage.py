@@ -7,8 +7,15 @@ it, on the other side of its liquid cell:
 
     o----g----o----|==x     the gradient at the surface x is g, as under a level surface at rest
 
-Where there is none (liquid one cell deep) p over the distance is all that is known. Faces of thin cells gain more, each
-in its own measure (thin_cells.py).
+Where there is none (liquid one cell deep) the cell beyond the surface may have been liquid when p held, or a shut void
+(pockets.py): it still has its p, and the gradient was that between the two centres. Else p over the distance is all
+that is known,
+
+    dt p / (rho theta h)   but no more than  max(2 dt p / (rho h), |g| dt)
+
+since theta may have become nothing: 2 p / h is that of a surface in the face, and liquid at rest asks for g. Without
+that p over a thousandth of h made 640 m/s of 2.2 kPa, and the second stage 4e4 (hard/wet_plug_free, where a cell beside
+the plug fell dry). Faces of thin cells gain more, each in its own measure (thin_cells.py).
 """
 
 from __future__ import annotations
@@ -18,12 +25,31 @@ import numpy as np
 from flowgmo.flow.fields import G
 from flowgmo.flow.pressure.projection import Projector, scale_liquid
 from flowgmo.flow.pressure.thin_cells import ease_between
-from flowgmo.kernel import flow_kernel
+from flowgmo.kernel import flow_kernel, inner
+
+
+@inner
+def _alone(q, p, factor, b, area, A, low, h, pull, own, upper):
+    """What a face at the surface, between the cells own and upper (i, j, k), gains that has no liquid behind; low: the
+    own cell is the liquid one."""
+    inside = q[own] if low else q[upper]
+    beyond = factor * (p[upper] if low else p[own])
+    out = 1.0 if low else -1.0
+    if beyond != 0.0:
+        return out * (inside - beyond) / h
+    if A is not None:
+        area *= A[own]
+    most = max(abs(inside) / (0.5 * h), pull)
+    return out * min(max(inside * b[own] / area, -most), most)
 
 
 @flow_kernel
-def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet, d, u):
-    """u -= (q_upper - q_lower) b / (A S) on the upper faces along d with b > 0, at the surface with the face behind."""
+def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet, d, p, factor, h, pull, u):
+    """u -= (q_upper - q_lower) b / (A S) on the upper faces along d with b > 0, at the surface as above.
+
+    p: of the last step, factor p = q where it was liquid; h (n,) [length]: distances of centres along d; pull
+    [length/time]: |g| dt along d.
+    """
     di = np.int64(d == 0)
     dj = np.int64(d == 1)
     dk = np.int64(d == 2)
@@ -49,8 +75,13 @@ def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet
                 s = np.int64(-1 if low else 1)
                 behind = b[i + s * di, j + s * dj, k + s * dk] > 0.0
                 cell = np.int64(-1 if low else 2)
-                if behind and wet[i + cell * di, j + cell * dj, k + cell * dk] != 0:
-                    e, f, g = i + s * di, j + s * dj, k + s * dk
+                if not (behind and wet[i + cell * di, j + cell * dj, k + cell * dk] != 0):
+                    area = area_x[i] * area_y[j] * area_z[k]
+                    u[i, j, k] += _alone(
+                        q, p, factor, b, area, A, low, h[at], pull, (i, j, k), (i + di, j + dj, k + dk)
+                    )
+                    continue
+                e, f, g = i + s * di, j + s * dj, k + s * dk
             area = area_x[e] * area_y[f] * area_z[g]
             if A is not None:
                 area *= A[e, f, g]
@@ -70,7 +101,8 @@ def push_by_last_pressure(projector: Projector, p: np.ndarray, dt: float, veloci
     for d, u in enumerate(velocity):
         if u is not None:
             V, A = projector.eased, projector.openings[1 + d]
-            args = (m.b[d], *projector.areas[d], A, V, projector.q, projector.wet, np.int64(d), u)
+            last = p, dt / projector.rho, projector.grid[3 + d], dt * abs(float(projector.sides.gravity[d]))
+            args = (m.b[d], *projector.areas[d], A, V, projector.q, projector.wet, np.int64(d), *last, u)
             for columns in (m.faces, projector.lower_faces[d]):
                 if columns is not None:
                     projector.team.run(push_as_behind, columns, *args)

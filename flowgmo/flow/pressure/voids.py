@@ -7,6 +7,8 @@ liquid that it has not reached the centre of. Both let liquid in at zero pressur
     enter       into the matrix and the right-hand side of the next solution
     shut_full   those that would take more than their bound: they are given it, and the pressure is solved again
 
+Pockets that would shut liquid in though void is beyond them stay open (ways_out.py).
+
 Those begin shut that the first guess of the pressure would fill beyond their bound: few guesses are wrong then (1.4
 solutions a step where it takes 2.1 with those that were shut in the step before). A wrong one costs two iterations.
 """
@@ -18,6 +20,7 @@ import numpy as np
 from flowgmo.flow.fields import Grid, Open
 from flowgmo.flow.pressure.lids import ABSENT, OPEN, SHUT, Lids, bound, find_lids, no_lids, outflow
 from flowgmo.flow.pressure.pockets import pocket_flows, take_pockets
+from flowgmo.flow.pressure.ways_out import WaysOut
 from flowgmo.flow.surface.surface_normals import Steps
 from flowgmo.flow_plan import SidePlan
 from flowgmo.mesh import SYMMETRY, WALL
@@ -36,6 +39,7 @@ class Voids:
         self.grid, self.openings, self.steps, self.closed = grid, openings, steps, closed
         self.lids: Lids = no_lids()
         self.pockets = self.cells = np.empty((0, 3), np.int32)
+        self.ways_out = WaysOut(openings)
 
     def find(self, columns: np.ndarray, counts: np.ndarray, F: np.ndarray, wet: np.ndarray) -> None:
         """As mark_liquid left `wet` and the counts of the columns; pockets are 0 in `wet` after, or 1 amid liquid."""
@@ -80,7 +84,13 @@ class Voids:
         if guess:
             self.shut[:] = self.flow > self.most
         wet[own] = self.shut_pockets
+        self.ways_out.begin(self.pockets)
+        self._open_ways_out()
         q[own] = pressed * self.shut_pockets
+
+    def _open_ways_out(self) -> None:
+        """Open the pockets that shut liquid in; `wet` has those that are shut."""
+        self.ways_out.open(self.shut_pockets, self.lids.cells[~self.shut_lids], self.wet, self.known[1])
 
     def _look(self, q: np.ndarray) -> None:
         """Flows and bounds (voids,) [length3/time] with the pressure q."""
@@ -125,13 +135,14 @@ class Voids:
         self._look(q)
         n, before = len(self.lids.cells), self.shut.copy()
         more = self.flow > self.most + slack * self.volume
-        more[n:] &= ~self.shut_pockets
+        more[n:] &= ~(self.shut_pockets | self.ways_out.kept_open)
         kept = np.concatenate(
             [self.flow[:n] > self.most[:n] - slack * self.volume[:n], q[tuple(self.pockets.T)] >= 0.0]
         )
         self.shut[:] = more | (self.shut & kept if release else self.shut)
         own = tuple(self.pockets.T)
         self.wet[own] = self.shut_pockets
+        self._open_ways_out()
         q[own] *= self.shut_pockets
         return bool((self.shut != before).any())
 
@@ -147,8 +158,11 @@ class Voids:
         self._look(q)
         n = len(self.lids.cells)
         hit = (self.flow[n:] > self.most[n:] + slack * self.volume[n:]) & ~self.shut_pockets
+        hit &= ~self.ways_out.kept_open
         own = tuple(self.pockets[hit].T)
         self.shut[n:] |= hit
         self.wet[own] = 1
         right[own] = (self.pocket_inflow - self.most[n:])[hit]
+        self._open_ways_out()
+        q[tuple(self.pockets.T)] *= self.shut_pockets
         return bool(hit.any())

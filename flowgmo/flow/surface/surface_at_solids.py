@@ -17,6 +17,11 @@ and the plane is level. A column says nothing, and is left out (the slope is the
     it is dry and its lowest open cell is cut: the surface has met the solid before it (a beach), or
     full and its highest open cell is cut (under a slanting ceiling);
     the surface is hidden between a full cell and an empty one.
+So are cells that are open by less than SLIT: their F is what round-off leaves of fluxes thousands of times as large as
+they are. In the slit between a plug and the wall that it rests on (V = 1e-9, F from -131 to .9) they stood the surface
+upright beside it, within a thousandth of a cell's centre, and faces open by a hundredth had 550 times their coefficient
+in the pressure equation: 11 m/s where all else had 1 (hard/wet_plug_free).
+
 What is closed, or behind a closed face of the column, counts as full below the surface and as empty above it: it is the
 same for all columns. An image beyond a side has the level of its cell.
 """
@@ -33,6 +38,7 @@ from flowgmo.kernel import inner
 #: share of the largest rise: along an axis with less the surface has slopes of hundreds. Where columns say nothing
 #: their slope is 0, and round-off in place of a rise would stand level water upright
 FAINT = 1e-3
+SLIT = 1e-6  # of a cell: so little liquid takes no part (liquid.DUST)
 
 
 @inner
@@ -53,10 +59,11 @@ def _is_image(F, d, i, j, k, e, f, g):
 
 
 @inner
-def _height_at(F, opened, steps, i, j, k, d, up):
-    """(known, height) of the liquid in three cells along d, in widths of the middle one, from the wet side."""
+def _height_at(F, opened, steps, i, j, k, d, up, least):
+    """(known, height) of the liquid in three cells along d, in widths of the middle one, from the wet side; not known
+    where the middle one is open by `least` or less."""
     V = opened.V
-    if V[i, j, k] <= 0.0:
+    if V[i, j, k] <= least:
         return False, 0.0
     a = np.int64(up)
     di, dj, dk = (a if d == 0 else 0), (a if d == 1 else 0), (a if d == 2 else 0)
@@ -67,24 +74,24 @@ def _height_at(F, opened, steps, i, j, k, d, up):
     image_wet, image_dry = _is_image(F, d, i, j, k, e, f, g), _is_image(F, d, i, j, k, x, y, z)
     V_wet = V[e, f, g] if through_wet > 0.0 or image_wet else 0.0
     V_dry = V[x, y, z] if through_dry > 0.0 or image_dry else 0.0
-    lowest = V_wet if V_wet > 0.0 else V[i, j, k]
-    highest = V_dry if V_dry > 0.0 else V[i, j, k]
+    lowest = V_wet if V_wet > SLIT else V[i, j, k]
+    highest = V_dry if V_dry > SLIT else V[i, j, k]
     middle = F[i, j, k]
-    dry = middle <= EMPTY and (V_wet <= 0.0 or F[e, f, g] <= EMPTY) and (V_dry <= 0.0 or F[x, y, z] <= EMPTY)
-    full = middle >= FULL and (V_wet <= 0.0 or F[e, f, g] >= FULL) and (V_dry <= 0.0 or F[x, y, z] >= FULL)
+    dry = middle <= EMPTY and (V_wet <= SLIT or F[e, f, g] <= EMPTY) and (V_dry <= SLIT or F[x, y, z] <= EMPTY)
+    full = middle >= FULL and (V_wet <= SLIT or F[e, f, g] >= FULL) and (V_dry <= SLIT or F[x, y, z] >= FULL)
     if (dry and lowest < 1.0) or (full and highest < 1.0):
         return False, 0.0
-    if V_wet > 0.0 and _hidden(F, opened, d, e, f, g, i, j, k, up):
+    if V_wet > SLIT and _hidden(F, opened, d, e, f, g, i, j, k, up):
         return False, 0.0
-    if V_dry > 0.0 and _hidden(F, opened, d, i, j, k, x, y, z, up):
+    if V_dry > SLIT and _hidden(F, opened, d, i, j, k, x, y, z, up):
         return False, 0.0
     n = i if d == 0 else (j if d == 1 else k)
     t = steps.x if d == 0 else (steps.y if d == 1 else steps.z)
     own = level_of_cell(middle, opened, i, j, k, d, up)
     wet, air = 1.0, 0.0
-    if V_wet > 0.0:  # an image has its cell's level: the solid in it is mirrored, and would say another
+    if V_wet > SLIT:  # an image has its cell's level: the solid in it is mirrored, and would say another
         wet = own if image_wet else level_of_cell(F[e, f, g], opened, e, f, g, d, up)
-    if V_dry > 0.0:
+    if V_dry > SLIT:
         air = own if image_dry else level_of_cell(F[x, y, z], opened, x, y, z, d, up)
     wet *= t[3, n] if up > 0.0 else t[2, n]
     air *= t[2, n] if up > 0.0 else t[3, n]
@@ -102,9 +109,9 @@ def _slope(F, opened, steps, i, j, k, d, up, e, here):
     t = steps.x if e == 0 else (steps.y if e == 1 else steps.z)
     below, low, above, high = False, 0.0, False, 0.0
     if open_above(opened, e, i - di, j - dj, k - dk) > 0.0:
-        below, low = _height_at(F, opened, steps, i - di, j - dj, k - dk, d, up)
+        below, low = _height_at(F, opened, steps, i - di, j - dj, k - dk, d, up, SLIT)
     if open_above(opened, e, i, j, k) > 0.0:
-        above, high = _height_at(F, opened, steps, i + di, j + dj, k + dk, d, up)
+        above, high = _height_at(F, opened, steps, i + di, j + dj, k + dk, d, up, SLIT)
     told = (below and not _is_image(F, e, i, j, k, i - di, j - dj, k - dk)) or (
         above and not _is_image(F, e, i, j, k, i + di, j + dj, k + dk)
     )
@@ -136,11 +143,11 @@ def _rise(F, V, i, j, k, d):
 
 @inner
 def _rise_on_line(F, V, i, j, k, di, dj, dk):
-    if V[i, j, k] <= 0.0:
+    if V[i, j, k] <= SLIT:
         return 0.0
     here = F[i, j, k]
-    high = F[i + di, j + dj, k + dk] if V[i + di, j + dj, k + dk] > 0.0 else here
-    low = F[i - di, j - dj, k - dk] if V[i - di, j - dj, k - dk] > 0.0 else here
+    high = F[i + di, j + dj, k + dk] if V[i + di, j + dj, k + dk] > SLIT else here
+    low = F[i - di, j - dj, k - dk] if V[i - di, j - dj, k - dk] > SLIT else here
     return high - low
 
 
@@ -160,7 +167,7 @@ def plane_at_solids(F, opened, steps, i, j, k):
             continue
         side = 1.0 if rise < 0.0 else -1.0
         e, f = (d + 1) % 3, (d + 2) % 3
-        here = _height_at(F, opened, steps, i, j, k, d, side)[1]
+        here = _height_at(F, opened, steps, i, j, k, d, side, 0.0)[1]
         known_e, slope_e = _slope(F, opened, steps, i, j, k, d, side, e, here)
         known_f, slope_f = _slope(F, opened, steps, i, j, k, d, side, f, here)
         like_e, like_f = abs(rises[e] / rise), abs(rises[f] / rise)  # as F falls: where no column says anything, and
