@@ -16,6 +16,8 @@ from flowgmo.geometry import Component
 from flowgmo.mesh import GHOST_LAYERS, PERIODIC, WALL, Block
 
 CELL_BYTES = 400  # every array of mesh size together, at most (what each part of flow/ may take adds up to this)
+MOST_SUM = 0.9  # of the directional CFL numbers: one more tenth and upwind momentum is no longer stable
+MOST_ALONG = 0.45  # of each of them then
 MOST_COURANT = 0.5  # sum of the directional CFL numbers up to which the split is bounded: Weymouth & Yue 2010, sec. 3
 GROWTH = 1.2  # longest step in lengths of the one before: a sudden calm must not leap over what comes next; a choice
 
@@ -117,7 +119,8 @@ class StepPlan:
     """Lengths of steps; the first, the smallest and the largest stand in ClockPlan (dt, dt_min, dt_max).
 
     adapt   0 every step is dt, 1 steps follow stability and the pressure solution, 2 stability only
-    courant   bound of the sum of the directional CFL numbers; surface_courant   the same for surface waves
+    courant   bound of the sum of the directional CFL numbers; above MOST_COURANT each is at most MOST_ALONG
+    surface_courant   the same for surface waves
     growth   a step is at most this many times the one before
     """
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flowgmo.errors import StepFailed, StepTooLong
-from flowgmo.flow_plan import MOST_COURANT
 from flowgmo.model import Model
 from flowgmo.state import State
 
@@ -121,9 +120,9 @@ def _shorter(liquid: Liquid | None) -> float:
     In a shorter step a jet in a slit is as fast: of 1.11 and 1.2 of a cell .57 and .62 were left in half a step
     (stones), which had to be tried a third time.
     """
-    if liquid is None or liquid.courant <= MOST_COURANT:  # something else than its Courant number
+    if liquid is None or liquid.stride <= 1.0:  # something else than its Courant number
         return 0.5
-    return min(max(0.95 * MOST_COURANT / liquid.courant, LEAST), 0.9)
+    return min(max(0.95 / liquid.stride, LEAST), 0.9)
 
 
 def _between(times: np.ndarray, t0: float, t1: float) -> np.ndarray:

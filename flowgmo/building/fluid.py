@@ -9,7 +9,7 @@ from flowgmo.building.gauges import build_loads, build_planes, check_probes
 from flowgmo.building.liquid import build_start
 from flowgmo.building.memory import check_memory
 from flowgmo.building.wet_bodies import check_wet_bodies
-from flowgmo.flow_plan import GROWTH, MOST_COURANT, CleanUp, FilmPlan, FluidPlan, PressurePlan, StepPlan
+from flowgmo.flow_plan import GROWTH, MOST_COURANT, MOST_SUM, CleanUp, FilmPlan, FluidPlan, PressurePlan, StepPlan
 from flowgmo.mesh import Mesh
 
 #: what the pressure does to the step; multigrid needs 3 to 9 iterations at any step, so that their number says nothing
@@ -42,7 +42,7 @@ def build_fluid(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> FluidP
         free_surface=deck["ITB"] == 1,
         tracking=TRACKING[int(deck["IFVOF"])] if deck["ITB"] == 1 else None,
         void_pressure=void_pressure,
-        steps=_steps(found),
+        steps=_steps(found, bodies),
         pressure=PressurePlan(float(deck["EPSADJ"]), int(deck["ITMAX"]), plain_sor=deck["IGMRES"] == 0),
         clean_up=_clean_up(found),
         start=build_start(found, mesh, void_pressure),
@@ -86,12 +86,15 @@ def _film(found: Findings, bodies: tuple[Body, ...], mu: float | None) -> FilmPl
     return FilmPlan(float(deck["FILMROUGH"]) if deck.given("FILMROUGH") else None)
 
 
-def _steps(found: Findings) -> StepPlan:
+def _steps(found: Findings, bodies: tuple[Body, ...]) -> StepPlan:
     deck = found.deck
-    courant = float(deck["CON"])
-    if courant > MOST_COURANT:
-        found.notice("CON", wrong=f"taken as con={MOST_COURANT}, up to which the liquid's fractions stay within bounds")
-        courant = MOST_COURANT
+    courant, most = float(deck["CON"]), MOST_SUM
+    why = "which liquid carried in two parts bears"
+    if any(body.kind != SOLID for body in bodies):
+        most, why = MOST_COURANT, "up to which the liquid's fractions stay within bounds beside bodies that move"
+    if courant > most:
+        found.notice("CON", wrong=f"taken as con={most:g}, {why}")
+        courant = most
     if deck["AUTOT"] == 0.0:
         found.notice("AUTOT", wrong="steps are delt, and shorter where longer ones would not be stable")
     elif deck["AUTOT"] == 2.0:

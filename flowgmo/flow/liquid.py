@@ -24,8 +24,8 @@ from flowgmo.flow.surface.donor_acceptor import donor_acceptor_flux
 from flowgmo.flow.surface.liquid_flux import plic_flux
 from flowgmo.flow.surface.surface_tracking import tracking_of
 from flowgmo.flow.team import Team
-from flowgmo.flow.time_step import MOST_COURANT, courant_rate, surface_limit
-from flowgmo.flow_plan import FluidPlan, speed_in_sight
+from flowgmo.flow.time_step import Rates, courant_rate, surface_limit
+from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT, FluidPlan, speed_in_sight
 
 DUST = 1e-6  # of a cell: less takes no part; it is what the pressure's tolerance leaves in a step (stages.TOLERANCE).
 # Nothing holds the faces beside it: they would fall by g t as long as it is there, and bound the step
@@ -86,7 +86,8 @@ class Liquid:
         self.regains = self.momentum.operators is None  # steps go on from what was allowed before an impact cut one:
         # not with viscosity, where friction and films are guessed from the pressure of the last step
         self.limiting = ""
-        self.courant = 0.0  # of the step just made
+        self.courant = 0.0  # of the step just made, summed over directions
+        self.stride = 0.0  # its length in that of the longest that the liquid's velocities allow
         self.tally = Tally()
 
     def renew(self, cells: np.ndarray | None = None) -> None:
@@ -147,13 +148,19 @@ class Liquid:
         if self.immersed is not None:
             self.immersed.settle()
 
+    def rates(self, F: np.ndarray | None, velocity: list) -> Rates:
+        """How fast the liquid crosses cells with these velocities; its columns are found."""
+        bound = self.plan.steps.courant
+        return courant_rate(self.team, self.near, self.grid, self.openings, F, DUST, velocity, bound)
+
     def longest_step(self, flow: Flow, start: float, bodies: float = np.inf) -> float:
         """How long the next step may be [time]; `limiting` names what bounds it. start: DELT, for the first step;
         bodies: how long for those that move in the liquid."""
         plan = self.plan
         self.find_columns(flow.F)
-        rate = courant_rate(self.team, self.near, self.grid, self.openings, flow.F, DUST, [flow.u, flow.v, flow.w])
-        carried, spread = min(plan.steps.courant, MOST_COURANT) / rate if rate > 0.0 else np.inf, self.momentum.limit
+        rate, aim = self.rates(flow.F, flow.velocity).bounding, plan.steps.courant
+        aim = aim if aim <= MOST_COURANT else MOST_ALONG
+        carried, spread = aim / rate if rate > 0.0 else np.inf, self.momentum.limit
         least, other = min(carried, spread), max(carried, spread)
         limits = {
             # a new value is a mean of old ones around it up to dt (1 / carried + 1 / spread) = 1

@@ -16,6 +16,7 @@ import numpy as np
 from flowgmo.errors import StepFailed, StepTooLong
 from flowgmo.flow.fields import Flow
 from flowgmo.flow.immersed.coupling import Coupling
+from flowgmo.flow.immersed.volume_change import VolumeChange
 from flowgmo.flow.liquid import DUST, Liquid
 from flowgmo.flow.momentum.extrapolation import continue_velocity, find_sources
 from flowgmo.flow.momentum.prediction import accelerate, fill
@@ -23,11 +24,13 @@ from flowgmo.flow.pressure.conjugate_gradients import Solved
 from flowgmo.flow.pressure.first_stage import push_by_last_pressure
 from flowgmo.flow.pressure.projection import Couple
 from flowgmo.flow.pressure.sealed import PressedTogether
+from flowgmo.flow.surface.surface_tracking import Moved
 from flowgmo.flow.surface.surface_tracking import move_liquid as carry_liquid
-from flowgmo.flow.time_step import MOST_COURANT, courant_rate
+from flowgmo.flow.time_step import MOST_COURANT
 
 REST = 1e-11  # share of a cell for the pressure at the start: still water must stay still
 AGED = 2.5  # lengths of the last step: in longer ones its pressure is no measure (momentum/prediction.py); a choice
+MISSED = 1e-5  # share of a cell that may be too much or too little in one after it was carried; a choice
 TOLERANCE = 1e-6  # share of a cell that its faces may miss within a step, times EPSADJ (DESIGN 4)
 
 
@@ -102,7 +105,7 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     ghosts are filled. Raises StepTooLong where a shorter step may do.
     """
     plan, new = liquid.plan, liquid.predicted
-    liquid.courant = 0.0  # not known yet, for a step that has to be tried again
+    liquid.courant = liquid.stride = 0.0  # not known yet, for a step that has to be tried again
     liquid.p[...] = flow.p
     try:
         solved = liquid.projector.project(
@@ -122,10 +125,10 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     if not solved.converged:
         raise StepTooLong(f"the pressure did not converge in {solved.iterations} iterations")
     _continue(liquid, flow, new)
-    rate = courant_rate(liquid.team, liquid.near, liquid.grid, liquid.openings, flow.F, DUST, new)
-    liquid.courant = rate * dt
-    if rate * dt > MOST_COURANT:
-        raise StepTooLong(f"the liquid crosses {rate * dt:.3g} of a cell in a step")
+    rates = liquid.rates(flow.F, new)
+    liquid.courant, liquid.stride = rates.summed * dt, rates.bounding * dt / MOST_COURANT
+    if liquid.stride > 1.0:
+        raise StepTooLong(f"the liquid crosses {liquid.courant:.3g} of a cell in a step")
     if liquid.momentum.work is not None:
         held = None if liquid.immersed is None else [None if one is None else one[0] for one in liquid.immersed.held]
         liquid.friction[:] = liquid.momentum.work.close(liquid.faces, flow.velocity, new, flow.F, dt, held)
@@ -148,20 +151,36 @@ def answer_impulses(
     if not solved.converged:
         raise StepTooLong(f"the pressure of an impact did not converge in {solved.iterations} iterations")
     _continue(liquid, flow, new)
-    rate = courant_rate(liquid.team, liquid.near, liquid.grid, liquid.openings, flow.F, DUST, new)
-    liquid.courant = max(liquid.courant, rate * dt)
+    rates = liquid.rates(flow.F, new)
+    liquid.courant = max(liquid.courant, rates.summed * dt)
+    liquid.stride = max(liquid.stride, rates.bounding * dt / MOST_COURANT)
     return projector.q
 
 
 def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
-    """liquid.F = the fraction after dt with the projection's velocities; number of the step orders the sweeps."""
-    np.copyto(liquid.F, flow.F)
-    moved = Flow(*liquid.predicted, liquid.p, liquid.F, dt)
+    """liquid.F = the fraction after dt with the projection's velocities; number of the step orders the sweeps.
+
+    The split is bounded up to sums of MOST_COURANT, by the worst that a cell may meet; where more is crossed and a
+    cell did meet it, the liquid is carried again, in two parts.
+    """
     change = liquid.immersed.change if liquid.immersed is not None else None
-    fill_ghosts = liquid.sides.fill_fraction
-    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change)
+    found = _carry(liquid, flow, dt, number, 1, change)
+    if liquid.courant > MOST_COURANT and change is None and max(found.over, -found.under) > MISSED:
+        found = _carry(liquid, flow, dt, number, 2, None)
     liquid.entered = found.entered
     liquid.sides.fill_fraction(liquid.F)
+
+
+def _carry(liquid: Liquid, flow: Flow, dt: float, number: int, parts: int, change: VolumeChange | None) -> Moved:
+    """liquid.F after dt, in so many parts; their books together, the extremes of the last."""
+    np.copyto(liquid.F, flow.F)
+    moved = Flow(*liquid.predicted, liquid.p, liquid.F, dt)
+    entered = np.zeros(6)
+    for part in range(parts):
+        own = dt / parts, parts * number + part, liquid.sides.fill_fraction, change
+        found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, *own)
+        entered += found.entered
+    return found._replace(entered=entered)
 
 
 def settle_pressure(liquid: Liquid, flow: Flow, dt: float) -> None:

@@ -1,8 +1,9 @@
 """How long a step may be: every term brings its own limit.
 
-flow       sum over directions |u| dt / dx <= CON (<= 1/2: the liquid's directional split needs it). In a cell that a
-           solid cuts: of A |u| / V, which is what the split moves, if that is less; there momentum is advected
-           upwind (cut_advection.py), which is stable to 1, so that half of the sum of the speeds bounds the step
+flow       sum over directions |u| dt / dx <= CON, and along each <= .45 where CON > 1/2. In a cell that a solid cuts,
+           of A |u| / V, which is what the split moves, if that is less; there momentum is advected upwind
+           (cut_advection.py), which is stable to 1, so that half of the speeds bounds the step. What the split asks
+           for is 1/2: beyond that, the liquid is carried once more, in two parts, where it left bounds (stages.py)
 surface    waves of two cells' length turn by at most one radian a step: sqrt(pi g / dx) dt <= CONFS. The surface is
            moved with the velocities that the pressure of the surface gave; that is stable to two radians
 viscosity  explicit only (viscosity.py)
@@ -11,16 +12,28 @@ viscosity  explicit only (viscosity.py)
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.team import Team
+from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT
 from flowgmo.kernel import flow_kernel, inner
 
 AT_A_CUT = 0.5  # share of the rate of speeds that counts in cut cells, see above
-MOST_COURANT = 0.5  # bound of the directional split (Weymouth & Yue 2010, section 3)
+
+
+class Rates(NamedTuple):
+    """How fast the liquid crosses cells [1/time].
+
+    summed: largest sum over directions; dt times this is the Courant number. bounding: the larger of the largest along
+    one direction and, weighted, of the sums; dt times this is at most MOST_COURANT.
+    """
+
+    summed: float
+    bounding: float
 
 
 @inner
@@ -30,57 +43,70 @@ def _rate(u_low, u_high, A_low, A_high, V):
 
 
 @inner
-def _flow_rate(grid, opened, u, v, w, i, j, k):
-    """Sum over directions of A |u| / (V dx) [1/time] of a cell that a solid cuts."""
-    rate, V = 0.0, opened.V[i, j, k]
+def _flow_rates(grid, opened, u, v, w, i, j, k):
+    """A |u| / (V dx) [1/time] along each direction of a cell that a solid cuts."""
+    x, y, z, V = 0.0, 0.0, 0.0, opened.V[i, j, k]
     if u is not None:
-        rate += _rate(u[i - 1, j, k], u[i, j, k], opened.Ax[i - 1, j, k], opened.Ax[i, j, k], V) / grid.dx[i]
+        x = _rate(u[i - 1, j, k], u[i, j, k], opened.Ax[i - 1, j, k], opened.Ax[i, j, k], V) / grid.dx[i]
     if v is not None:
-        rate += _rate(v[i, j - 1, k], v[i, j, k], opened.Ay[i, j - 1, k], opened.Ay[i, j, k], V) / grid.dy[j]
+        y = _rate(v[i, j - 1, k], v[i, j, k], opened.Ay[i, j - 1, k], opened.Ay[i, j, k], V) / grid.dy[j]
     if w is not None:
-        rate += _rate(w[i, j, k - ONE], w[i, j, k], opened.Az[i, j, k - ONE], opened.Az[i, j, k], V) / grid.dz[k]
-    return rate
+        z = _rate(w[i, j, k - ONE], w[i, j, k], opened.Az[i, j, k - ONE], opened.Az[i, j, k], V) / grid.dz[k]
+    return x, y, z
 
 
 @flow_kernel
 def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rates):
-    """rates[c] = largest rate [1/time] at which the liquid (F > least) crosses the columns' cells.
+    """rates[c] (2,) [1/time] at which the liquid (F > least) crosses the columns' cells: summed, along one direction.
 
-    per_z: 1 / grid.dz. V: opened.V, told apart so that nothing of solids is compiled where it is None.
+    The largest of the columns. per_z: 1 / grid.dz. V: opened.V, told apart so that nothing of solids is compiled where
+    it is None.
     """
     for c in range(first, last):
         i = columns[c, 0]
         j = columns[c, 1]
         per_x, per_y = 1.0 / grid.dx[i], 1.0 / grid.dy[j]
-        largest = 0.0
+        summed, along = 0.0, 0.0
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            rate = 0.0
+            x, y, z, counts = 0.0, 0.0, 0.0, 1.0
             if u is not None:
-                rate += max(abs(u[i - 1, j, k]), abs(u[i, j, k])) * per_x
+                x = max(abs(u[i - 1, j, k]), abs(u[i, j, k])) * per_x
             if v is not None:
-                rate += max(abs(v[i, j - 1, k]), abs(v[i, j, k])) * per_y
+                y = max(abs(v[i, j - 1, k]), abs(v[i, j, k])) * per_y
             if w is not None:
-                rate += max(abs(w[i, j, k - ONE]), abs(w[i, j, k])) * per_z[k]
+                z = max(abs(w[i, j, k - ONE]), abs(w[i, j, k])) * per_z[k]
             if F is not None:
-                rate = rate if F[i, j, k] > least else 0.0
+                counts = 1.0 if F[i, j, k] > least else 0.0
             if V is not None:
-                rate = rate if V[i, j, k] >= 1.0 else AT_A_CUT * rate
-            largest = max(largest, rate)
+                counts *= 1.0 if V[i, j, k] >= 1.0 else AT_A_CUT
+            summed = max(summed, counts * (x + y + z))
+            along = max(along, counts * max(x, max(y, z)))
         if V is not None:
             for k in range(columns[c, 2], columns[c, 3]):
                 if 0.0 < V[i, j, k] < 1.0:
                     if F is None or F[i, j, k] > least:
-                        largest = max(largest, _flow_rate(grid, opened, u, v, w, i, j, k))
-        rates[c] = largest
+                        x, y, z = _flow_rates(grid, opened, u, v, w, i, j, k)
+                        summed = max(summed, x + y + z)
+                        along = max(along, max(x, max(y, z)))
+        rates[c, 0] = summed
+        rates[c, 1] = along
 
 
 def courant_rate(
-    team: Team, columns: np.ndarray, grid: Grid, opened: Open, F: np.ndarray | None, least: float, velocity: list
-) -> float:
-    """Largest rate [1/time] at which liquid crosses a cell: dt times this is the Courant number."""
-    rates = np.zeros(len(columns))
+    team: Team,
+    columns: np.ndarray,
+    grid: Grid,
+    opened: Open,
+    F: np.ndarray | None,
+    least: float,
+    velocity: list,
+    courant: float,
+) -> Rates:
+    """The largest rates [1/time] at which liquid (F > least) crosses a cell; courant: bound of the sums, CON."""
+    rates = np.zeros((len(columns), 2))
     team.run(fastest, columns, grid, 1.0 / grid.dz, opened.V, opened, F, least, *velocity, rates)
-    return float(rates.max(initial=0.0))
+    summed, along = rates.max(axis=0, initial=0.0).tolist()
+    return Rates(summed, summed if courant <= MOST_COURANT else max(along, MOST_ALONG / courant * summed))
 
 
 def surface_limit(grid: Grid, gravity: np.ndarray, directions: tuple[bool, ...]) -> float:

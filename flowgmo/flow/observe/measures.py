@@ -155,7 +155,7 @@ def total(
     team.run_uneven(
         sum_columns, columns, grid, *opened, steps_of(grid), flow.F, *flow.velocity, *where, g, least, sums, momenta
     )  # fmt: skip
-    volume, kinetic, potential, wet = (math.fsum(column) for column in sums.T)
+    volume, kinetic, potential, wet = (math.fsum(column) for column in sums.T.tolist())
     if momentum is not None:
         momentum[:] = rho * momenta.sum(axis=0)
     return Totals(volume, rho * kinetic, rho * potential, int(wet))

@@ -36,7 +36,8 @@ import numpy as np
 from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.surface.plic import FULL, crossing, share_of_slab, stretched, volume_under
 from flowgmo.flow.surface.surface_normals import Steps, plane_of_cell
-from flowgmo.kernel import inner, kernel
+from flowgmo.flow.team import Team
+from flowgmo.kernel import flow_kernel, inner, kernel
 
 OPEN, SHUT, ABSENT = 0, 1, 2  # a side of the domain: flow crosses it, nothing does, the direction has one cell
 NEAREST = 1e-3  # least delta in cell widths: keeps 1 / delta finite, moves the surface by 1e-3 of a cell at most
@@ -126,12 +127,14 @@ def _add_lid(A, m, alpha, d, shut, i, j, k, S, width, area, n):
     return open_area / (max(delta, NEAREST) * width)
 
 
-@kernel
-def _find(columns, counts, F, V, opened, steps, grid, closed, wet, cells, conductance, area, room, volume, planes):
-    """Fill the arrays of Lids in the order of the columns; returns how many."""
-    n = np.int64(0)
-    for c in range(columns.shape[0]):
-        if counts[c] == 0:
+@flow_kernel
+def _find(columns, first, last, ends, F, V, opened, steps, grid, closed, wet,
+          cells, conductance, area, room, volume, planes):  # fmt: skip
+    """Fill the arrays of Lids in the order of the columns, up to ends (columns,) for each; where none is, conductance
+    stays 0."""
+    for c in range(first, last):
+        n = ends[c - 1] if c > 0 else np.int64(0)
+        if ends[c] == n:
             continue
         i, j = np.int64(columns[c, 0]), np.int64(columns[c, 1])
         for k in range(columns[c, 2], columns[c, 3]):
@@ -155,22 +158,24 @@ def _find(columns, counts, F, V, opened, steps, grid, closed, wet, cells, conduc
                 if V is not None:
                     room[n] *= V[i, j, k]
                 n += 1
-    return n
 
 
 def find_lids(
-    columns: np.ndarray, counts: np.ndarray, F: np.ndarray, openings: Open, steps: Steps, grid: Grid,
+    team: Team, columns: np.ndarray, counts: np.ndarray, F: np.ndarray, openings: Open, steps: Steps, grid: Grid,
     closed: np.ndarray, wet: np.ndarray,
 ) -> Lids:  # fmt: skip
     """The Lids in the columns. F [-] with ghosts filled; counts (columns,): cells of each that may have one.
 
     closed (6,) int8: OPEN, SHUT or ABSENT for each side of the domain; wet (mesh) as of mark_liquid.
     """
-    lids = _empty(int(counts.sum()))
-    n = 0
-    if len(lids.cells):
-        n = _find(columns, counts, F, openings.V, openings, steps, grid, closed, wet, *lids)
-    return Lids(*(a[:n] for a in lids))
+    ends = np.cumsum(counts)
+    lids = _empty(int(ends[-1]) if len(ends) else 0)
+    if not len(lids.cells):
+        return lids
+    lids.conductance.fill(0.0)
+    team.run_uneven(_find, columns, ends, F, openings.V, openings, steps, grid, closed, wet, *lids)
+    there = lids.conductance > 0.0
+    return Lids(*(a[there] for a in lids))
 
 
 def no_lids() -> Lids:

@@ -50,14 +50,15 @@ class Level:
     def take(self, columns: np.ndarray, ends: np.ndarray, team: Team, faces: tuple | None = None) -> None:
         """Fit to new columns: zero what these do not hold. ends [i, j] = (k0, k1): the columns as a table.
 
-        faces: (columns, table) of all cells whose upper faces have b > 0, None where these are the same.
+        faces: (columns, table) of all cells whose upper faces have b > 0, None where these are the same. Little is
+        zeroed: sharing it among threads would take longer.
         """
         wider, table = faces or (columns, ends)
         for a in (self.bx, self.by, self.bz, self.diagonal):
             if a is not None:
-                team.run(clear_left, self.held, table, a)
+                clear_left(self.held, 0, len(self.held), table, a)
         for a in (self.surface, self.inverse, self.p, self.r):
-            team.run(clear_left, self.columns, ends, a)
+            clear_left(self.columns, 0, len(self.columns), ends, a)
         self.columns, self.held = columns, wider
 
 

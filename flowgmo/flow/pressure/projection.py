@@ -134,7 +134,7 @@ class Projector:
         self.exits = Exits(grid, openings, sides, self.sealed.label)
         self.ends = np.zeros((*shape[:2], 2), np.int32)  # scratch of `widen`
         closed = closed_sides(sides.plans, tuple(a is not None for a in b))
-        self.voids, self.solves = Voids(grid, openings, self.steps, closed), 0
+        self.voids, self.solves = Voids(team, grid, openings, self.steps, closed), 0
         self.ends = np.zeros((*shape[:2], 2), np.int32)  # of `widen`: where the columns of faces begin and end
         self.areas = [[np.ones_like(w) if e == d else w for e, w in enumerate(grid[:3])] for d in range(3)]
         self.lower_faces = [self._lower_faces(d) if sides.lower_face_acts(d) else None for d in range(3)]
@@ -173,7 +173,7 @@ class Projector:
         self.sides.join(self.wet)
         for b in m.b:  # what the liquid has left
             if b is not None:
-                run(clear_left, before, self.ends, b)
+                clear_left(before, 0, len(before), self.ends, b)
         for a in self.solver.unknowns:
             run(clear, before, a)
         run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.wet, *m.b)

@@ -22,6 +22,7 @@ from flowgmo.flow.pressure.lids import ABSENT, OPEN, SHUT, Lids, bound, find_lid
 from flowgmo.flow.pressure.pockets import pocket_flows, take_pockets
 from flowgmo.flow.pressure.ways_out import WaysOut
 from flowgmo.flow.surface.surface_normals import Steps
+from flowgmo.flow.team import Team
 from flowgmo.flow_plan import SidePlan
 from flowgmo.mesh import SYMMETRY, WALL
 
@@ -35,8 +36,8 @@ def closed_sides(plans: tuple[SidePlan, ...], present: tuple[bool, ...]) -> np.n
 class Voids:
     """Of one scene; found anew for every surface (`find`). shut (lids + pockets,): which are full by now."""
 
-    def __init__(self, grid: Grid, openings: Open, steps: Steps, closed: np.ndarray) -> None:
-        self.grid, self.openings, self.steps, self.closed = grid, openings, steps, closed
+    def __init__(self, team: Team, grid: Grid, openings: Open, steps: Steps, closed: np.ndarray) -> None:
+        self.team, self.grid, self.openings, self.steps, self.closed = team, grid, openings, steps, closed
         self.lids: Lids = no_lids()
         self.pockets = self.cells = np.empty((0, 3), np.int32)
         self.ways_out = WaysOut(openings)
@@ -48,7 +49,7 @@ class Voids:
             self.pockets = self.pockets[
                 : take_pockets(columns, counts, F, self.openings, self.closed, wet, self.pockets)
             ]
-        self.lids = find_lids(columns, counts, F, self.openings, self.steps, self.grid, self.closed, wet)
+        self.lids = find_lids(self.team, columns, counts, F, self.openings, self.steps, self.grid, self.closed, wet)
         self.cells = np.concatenate([self.lids.cells, self.pockets])
         self.volume = np.concatenate([self.lids.volume, np.prod([
             d[k] for d, k in zip(self.grid[:3], self.pockets.T, strict=True)
