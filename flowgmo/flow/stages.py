@@ -14,9 +14,8 @@ from collections.abc import Callable
 import numpy as np
 
 from flowgmo.errors import StepFailed, StepTooLong
-from flowgmo.flow.fields import Flow
+from flowgmo.flow.fields import Flow, G
 from flowgmo.flow.immersed.coupling import Coupling
-from flowgmo.flow.immersed.volume_change import VolumeChange
 from flowgmo.flow.liquid import DUST, Liquid
 from flowgmo.flow.momentum.extrapolation import continue_velocity, find_sources
 from flowgmo.flow.momentum.prediction import accelerate, fill
@@ -24,13 +23,12 @@ from flowgmo.flow.pressure.conjugate_gradients import Solved
 from flowgmo.flow.pressure.first_stage import push_by_last_pressure
 from flowgmo.flow.pressure.projection import Couple
 from flowgmo.flow.pressure.sealed import PressedTogether
-from flowgmo.flow.surface.surface_tracking import Moved
 from flowgmo.flow.surface.surface_tracking import move_liquid as carry_liquid
-from flowgmo.flow.time_step import MOST_COURANT
+from flowgmo.flow.time_step import MOST_ALONG, MOST_COURANT
 
 REST = 1e-11  # share of a cell for the pressure at the start: still water must stay still
 AGED = 2.5  # lengths of the last step: in longer ones its pressure is no measure (momentum/prediction.py); a choice
-MISSED = 1e-5  # share of a cell that may be too much or too little in one after it was carried; a choice
+MISSED = 1e-5  # share of a cell by which it may get too full or too empty in a long step; a choice
 TOLERANCE = 1e-6  # share of a cell that its faces may miss within a step, times EPSADJ (DESIGN 4)
 
 
@@ -160,27 +158,29 @@ def answer_impulses(
 def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
     """liquid.F = the fraction after dt with the projection's velocities; number of the step orders the sweeps.
 
-    The split is bounded up to sums of MOST_COURANT, by the worst that a cell may meet; where more is crossed and a
-    cell did meet it, the liquid is carried again, in two parts.
+    The sweeps are bounded for sums of Courant numbers up to MOST_COURANT, by the worst that a cell of a stream without
+    sources may meet. Raises StepTooLong in a step beyond the usual ones where a cell met more than it holds.
     """
+    np.copyto(liquid.F, flow.F)
+    moved = Flow(*liquid.predicted, liquid.p, liquid.F, dt)
     change = liquid.immersed.change if liquid.immersed is not None else None
-    found = _carry(liquid, flow, dt, number, 1, change)
-    if liquid.courant > MOST_COURANT and change is None and max(found.over, -found.under) > MISSED:
-        found = _carry(liquid, flow, dt, number, 2, None)
+    fill_ghosts = liquid.sides.fill_fraction
+    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change)
+    longer = liquid.plan.steps.courant > MOST_COURANT and liquid.courant > MOST_ALONG and change is None
+    if longer and max(found.over, -found.under) > MISSED:
+        over, under = _extremes(flow.F, liquid.openings.V)
+        if found.over - over > MISSED or under - found.under > MISSED:
+            liquid.stride = liquid.courant / MOST_ALONG
+            raise StepTooLong("more liquid met in a cell than it holds, or left it")
     liquid.entered = found.entered
     liquid.sides.fill_fraction(liquid.F)
 
 
-def _carry(liquid: Liquid, flow: Flow, dt: float, number: int, parts: int, change: VolumeChange | None) -> Moved:
-    """liquid.F after dt, in so many parts; their books together, the extremes of the last."""
-    np.copyto(liquid.F, flow.F)
-    moved = Flow(*liquid.predicted, liquid.p, liquid.F, dt)
-    entered = np.zeros(6)
-    for part in range(parts):
-        own = dt / parts, parts * number + part, liquid.sides.fill_fraction, change
-        found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, *own)
-        entered += found.entered
-    return found._replace(entered=entered)
+def _extremes(F: np.ndarray, V: np.ndarray | None) -> tuple[float, float]:
+    """(over, under) [-] as of surface_tracking.Moved, of liquid that is there."""
+    inside = (slice(G, -G),) * 3
+    liquid, room = (F, 1.0) if V is None else (F * V, V[inside])
+    return max(float((liquid[inside] - room).max()), 0.0), min(float(liquid[inside].min()), 0.0)
 
 
 def settle_pressure(liquid: Liquid, flow: Flow, dt: float) -> None:

@@ -3,7 +3,7 @@
 flow       sum over directions |u| dt / dx <= CON, and along each <= .45 where CON > 1/2. In a cell that a solid cuts,
            of A |u| / V, which is what the split moves, if that is less; there momentum is advected upwind
            (cut_advection.py), which is stable to 1, so that half of the speeds bounds the step. What the split asks
-           for is 1/2: beyond that, the liquid is carried once more, in two parts, where it left bounds (stages.py)
+           for is 1/2, in the worst case: a longer step that met it is tried again, shorter (stages.py)
 surface    waves of two cells' length turn by at most one radian a step: sqrt(pi g / dx) dt <= CONFS. The surface is
            moved with the velocities that the pressure of the surface gave; that is stable to two radians
 viscosity  explicit only (viscosity.py)

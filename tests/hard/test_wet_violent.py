@@ -51,10 +51,20 @@ SCENES = {  # deck, end, fastest, rise of the energy in shares of the largest ki
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_goes_to_its_end_with_its_volume_and_no_more_energy(name):
+LONG_STEPS = (
+    "jet into a corner",
+    "regions that touch at a corner",
+    "wave that hits the roof",
+    "column thrown at the roof",
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "con"), [*((name, 0.45) for name in SCENES), *((name, 0.9) for name in LONG_STEPS)]
+)  # fmt: skip
+def test_goes_to_its_end_with_its_volume_and_no_more_energy(name, con):
     text, end, most, rise = SCENES[name]
-    liquid, flow, first = start(text)
+    liquid, flow, first = start(text.replace("twfin=", f"con={con}, twfin="))
     columns, energies = all_columns(liquid.shape), []
 
     def note(t, flow):
@@ -65,7 +75,9 @@ def test_goes_to_its_end_with_its_volume_and_no_more_energy(name):
     _, over, books = advance(liquid, flow, first, end=end, each=note)
     kinetic, whole, speed = np.array(energies).T
     assert books <= 1e-12
-    assert over <= 1e-3  # measured: 1e-6, but 1.1e-4 of a cell that fills under a lid where the regions touch
+    # measured: 1e-6, but 1.1e-4 of a cell that fills under a lid where the regions touch; .005 of a corner's cell under
+    # the roof with .9, .003 with .46
+    assert over <= (1e-3 if con <= 0.45 else 0.01)
     assert speed.max() <= most
     assert whole.max() - whole[0] <= rise * kinetic.max()
 

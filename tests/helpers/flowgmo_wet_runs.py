@@ -32,13 +32,13 @@ def advance(liquid, flow, first, end=np.inf, most=10000, each=None):
             try:
                 stages.predict(liquid, flow, t + dt, dt)
                 stages.project(liquid, flow, dt)
+                if flow.F is not None:
+                    stages.move_liquid(liquid, flow, dt, n)
                 break
             except StepTooLong:
                 dt *= 0.5
         else:
             raise AssertionError(f"no step is short enough at t = {t}")
-        if flow.F is not None:
-            stages.move_liquid(liquid, flow, dt, n)
         liquid.store(flow, dt)
         t, n = t + dt, n + 1
         if flow.F is not None:

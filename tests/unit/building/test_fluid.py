@@ -62,8 +62,13 @@ def test_old_names_and_two_numbers_for_one_way(build):
 
 
 def test_the_courant_number_has_a_bound(build):
-    """The split keeps 0 <= F <= 1 up to a sum of 1/2 (Weymouth & Yue 2010)."""
+    """.9 of a cell; beside bodies that move 1/2, up to which one carrying keeps 0 <= F <= 1 (Weymouth & Yue 2010)."""
     model = build(wet(xput=FREE + "con=.9,"))
+    assert model.fluid.steps.courant == 0.9 and not any("con=" in n for n in model.notices)
+    model = build(wet(xput=FREE + "con=1.5,"))
+    assert model.fluid.steps.courant == 0.9 and any("con=1.5: taken as con=0.9" in n for n in model.notices)
+    body = "nobs=1, imo(1)=3, iob(1)=1, rsh(1)=.2,"
+    model = build(wet(xput=FREE + "con=.9, imobs=1,", obs=body))
     assert model.fluid.steps.courant == 0.5 and any("con=0.9: taken as con=0.5" in n for n in model.notices)
 
 

@@ -69,6 +69,22 @@ def test_step_profile_does_not_overshoot(order, signs):
     assert inside(held).max() > 0.3 and np.abs(w - start).max() > 0.5
 
 
+def test_steps_of_nine_tenths_of_a_cell_make_next_to_no_new_extrema():
+    """The same block at a sum of .9, .45 along each: under by 3.6e-3 (.8: 5e-5), never over."""
+    grid = mesh((20, 18, 6))
+    x, y, _ = places(grid, 2)
+    w = np.broadcast_to(((abs(x - 0.5) < 0.2) & (abs(y - 0.4) < 0.25)).astype(float), shape_of(grid)).copy()
+    u = np.ones(shape_of(grid))
+    dt = 0.9 / (1 / grid.dx.min() + 1 / grid.dy.min())
+    least, most = 0.0, 1.0
+    for _ in range(60):
+        first = advection(grid, (u, u, w), 3)[2]
+        second = advection(grid, (u, u, wrap(w + dt * first)), 3)[2]
+        w = wrap(w + 0.5 * dt * (first + second))
+        least, most = min(least, w.min()), max(most, w.max())
+    assert least >= -5e-3 and most <= 1.0 + 1e-13
+
+
 @pytest.mark.parametrize("solid", [False, True])
 @pytest.mark.parametrize("order", [1, 3])
 def test_no_new_extremum_in_any_field(order, solid):
