@@ -117,7 +117,8 @@ def test_goes_to_its_end_and_makes_no_energy(name):
 
 def test_plug_let_go_seldom_draws_a_jet():
     # Gravity a hair apart: which way the plug wedges is chance. Where excess leaves at any pressure draws 8, 15 and 16
-    # had .98, 1.0, .33 and 55, 36 000, 3 m/s. One in twenty still has a jet, not the same one on each machine.
+    # had .98, 1.0, .33 and 55, 36 000, 3 m/s. Two of twenty still rise by .37 and .85 in the step of an impact, with 10
+    # m/s in slits of a thousandth of a cell, not the same ones on each machine; the next step takes it back.
     text, calm = deck("plug_free"), 0
     for draw in (0, 8, 15, 16, 18):
         found = run(hair(text, draw))

@@ -3,10 +3,19 @@
 FAVOR (Hirt & Sicilian 1985, A porosity technique for the definition of obstacles) divides by the open volume V of the
 momentum's cell and multiplies by the open areas of its ends, so that what carries q is the flow through the opening:
 
-    dq/dt = - [ U_r (q_r - q_P) / d_r + U_l (q_P - q_l) / d_l ] / 2,       U_r = (A u)_r / max(V, A_r, A_l)
+    dq/dt = - [ U_r (q_r - q_P) / d_r + U_l (q_P - q_l) / d_l ] / 2,       U_r = (A u)_r / V, |U_r| <= |u|_r
 
-Dividing by V alone, a corner cut small (A ~ V^(2/3)) would feel any speed and shorten the step; the largest of V and
-the areas keeps |U_r| below the velocity itself, and is V wherever flow runs along a wall (V = A).
+Dividing by V alone, a corner cut small (A ~ V^(2/3)) would feel any speed and shorten the step: so U_r is no faster
+than the faster of the two faces that it is the mean of. It is (A u)_r / V wherever flow runs along a wall
+(V = A), and in a slit behind a large face,
+
+    Q = A u is the same everywhere, so that with U = Q / V the sum of U dq over the slit is what Bernoulli has: what is
+    lost where it narrows comes back where it widens
+
+With max(V, A_r, A_l) for V, of both ends, water that came into such a slit through a face open to the full was hardly
+slowed down (by Q / A_l, the speed before the slit), and what went on where it widened was sped up as it should be. So
+a slit under a block that stands still drove itself: 3.8 m/s, 24, 100 within .15 s, from a head of 8 cm, and 20 J from
+nothing (tests/physics/test_slits.py); under a plug that wedged, 8 % a step, to 1e4 m/s and more.
 
 What is on the far side of a closed face:
 * A closed face of a cell that is open to the full is a wall lying on that face: its normal velocity, which is stored
@@ -42,6 +51,13 @@ def _known(q, A, V, F, i, j, k, ci, cj, ck, otherwise):
 
 
 @inner
+def _carried(flow, V, area, u, area_next, u_next):
+    """flow / V, but no faster than the two faces that it comes through."""
+    most = max(abs(u) if area > 0.0 else 0.0, abs(u_next) if area_next > 0.0 else 0.0)
+    return min(max(flow / V, -most), most)
+
+
+@inner
 def _along(q, A, V, F, vel, Ad, i, j, k, ci, cj, ck, di, dj, dk, ends, slopes, m, g):
     """U dq/dd on face P = (i, j, k) of component c; d the direction of vel, m P's index along it, g as in advect."""
     q0 = q[i, j, k]
@@ -59,12 +75,13 @@ def _along(q, A, V, F, vel, Ad, i, j, k, ci, cj, ck, di, dj, dk, ends, slopes, m
     U_upper = upper * vel[i, j, k] + upper_next * vel[i + ci, j + cj, k + ck]
     U_lower = lower * vel[a, b, h] + lower_next * vel[a + ci, b + cj, h + ck]
     open_volume = (1.0 - g) * V[i, j, k] + g * V[i + ci, j + cj, k + ck]
-    whole = max(open_volume, max(upper + upper_next, lower + lower_next))
-    if not whole > 0.0:
+    if not open_volume > 0.0:
         return 0.0
+    U_upper = _carried(U_upper, open_volume, upper, vel[i, j, k], upper_next, vel[i + ci, j + cj, k + ck])
+    U_lower = _carried(U_lower, open_volume, lower, vel[a, b, h], lower_next, vel[a + ci, b + cj, h + ck])
     q_upper = end_value(U_upper, below, q0, above, above2, slopes, m)
     q_lower = end_value(U_lower, below2, below, q0, above, slopes, m - U64(1))
-    return (U_upper * (q_upper - q0) * ends.upper[m] + U_lower * (q0 - q_lower) * ends.lower[m]) / whole
+    return U_upper * (q_upper - q0) * ends.upper[m] + U_lower * (q0 - q_lower) * ends.lower[m]
 
 
 @flow_kernel
