@@ -107,12 +107,20 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
     liquid.sides.fill_velocity(flow.velocity)
     if F is not None:
         p[F <= DUST] = 0.0
-    if start.hydrostatic:
+    if start.hydrostatic or _viscosity_needs_pressure(liquid, p):
         settle_pressure(liquid, flow, model.clock.dt)
     columns = all_columns(liquid.shape)
     whole = total(liquid.team, columns, liquid.grid, liquid.openings, flow, model.fluid.rho, liquid.gravity, DUST)
     flow.start_volume, flow.start_energy = whole.volume, whole.kinetic + whole.potential
     return flow
+
+
+def _viscosity_needs_pressure(liquid: Liquid, p: np.ndarray) -> bool:
+    """Whether implicit viscosity, which acts on what the last pressure leaves, would see liquid fall in the first step.
+
+    Liquid that gives way keeps the pressure it is given: its volume depends on it.
+    """
+    return liquid.momentum.implicit and liquid.projector.beta is None and not p.any()
 
 
 def _liquid_at_start(liquid: Liquid, model: Model) -> np.ndarray:

@@ -18,7 +18,9 @@ from flowgmo.flow.fields import Flow, G
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.liquid import DUST, Liquid
 from flowgmo.flow.momentum.extrapolation import continue_velocity, find_sources
+from flowgmo.flow.momentum.implicit_viscosity import add_change
 from flowgmo.flow.momentum.prediction import accelerate, fill
+from flowgmo.flow.momentum.viscous_work import put
 from flowgmo.flow.pressure.conjugate_gradients import Solved
 from flowgmo.flow.pressure.first_stage import push_by_last_pressure
 from flowgmo.flow.pressure.projection import Couple
@@ -53,15 +55,43 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     if flow.F is not None:
         liquid.sides.tighten(old)
     _advance(liquid, old, flow.F, 1.0, dt, new)
-    if liquid.plan.order == 1 or dt > AGED * flow.dt > 0.0:
-        liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
+    if liquid.plan.order == 1 or _is_aged(flow, dt):
+        _diffuse(liquid, flow, dt, new)
         return
     push_by_last_pressure(liquid.projector, flow.p, dt, new)
     _continue(liquid, flow, new)
     liquid.sides.loosen(new, flow.F, DUST)
     add(liquid.faces, new, flow.F, liquid.acceleration, dt, gradients)
     _advance(liquid, old, flow.F, 0.5, dt, new)
-    liquid.momentum.diffuse(liquid.faces, new, flow.F, dt)
+    _diffuse(liquid, flow, dt, new)
+
+
+def _is_aged(flow: Flow, dt: float) -> bool:
+    """Whether the last pressure is no measure for a step as long as dt; that of the start is."""
+    return dt > AGED * flow.dt > 0.0
+
+
+def _diffuse(liquid: Liquid, flow: Flow, dt: float, new: list) -> None:
+    """new [u, v, w] += the change by implicit viscosity of what the last pressure leaves of it (implicit_viscosity.py).
+
+    A pressure that is no measure is left out. The accelerations are in `new` already: their arrays keep it while the
+    pressure acts. Raises StepTooLong.
+    """
+    momentum, run = liquid.momentum, liquid.team.run
+    if not momentum.implicit:
+        return
+    for u, kept in zip(new, liquid.acceleration, strict=True):
+        if u is not None:
+            run(put, liquid.about, u, kept)
+    if not _is_aged(flow, dt):
+        push_by_last_pressure(liquid.projector, flow.p, dt, new)
+        _continue(liquid, flow, new)
+    momentum.diffuse(liquid.faces, new, flow.F, dt)
+    for u, kept, change in zip(new, liquid.acceleration, momentum.work.changes, strict=True):
+        if u is not None:
+            run(put, liquid.about, kept, u)
+            run(add_change, liquid.faces, change, u)
+    liquid.sides.fill_velocity(new)  # joined sides changed on one side only
 
 
 def _advance(liquid: Liquid, old: list, F: np.ndarray | None, share: float, dt: float, new: list) -> None:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.fields import G
 from flowgmo.kernel import kernel
 
 
 @kernel
-def _sum_around(a, x, d, weight, open_or_not, cells, total, sums):
+def _sum_around(a, x, d, weight, open_or_not, edge, cells, total, sums):
     """total (n,) and sums (n,) of mean_around, in one order."""
     nx, ny, nz = weight.shape
     for c in range(len(cells)):
@@ -23,9 +24,9 @@ def _sum_around(a, x, d, weight, open_or_not, cells, total, sums):
             dk = m % 3 - 1
             if m == 13:
                 continue
-            i = min(max(cells[c, 0] + di, 0), nx - 1)
-            j = min(max(cells[c, 1] + dj, 0), ny - 1)
-            k = min(max(cells[c, 2] + dk, 0), nz - 1)
+            i = min(max(cells[c, 0] + di, edge), nx - 1 - edge)
+            j = min(max(cells[c, 1] + dj, edge), ny - 1 - edge)
+            k = min(max(cells[c, 2] + dk, edge), nz - 1 - edge)
             near = weight[i, j, k]
             if open_or_not:
                 near = 1.0 if near > 0.0 else 0.0
@@ -39,14 +40,16 @@ def _sum_around(a, x, d, weight, open_or_not, cells, total, sums):
 
 def mean_around(
     a: np.ndarray | None, weight: np.ndarray, cells: np.ndarray, *, open_or_not: bool = False,
-    along: tuple[int, np.ndarray] | None = None,
+    along: tuple[int, np.ndarray] | None = None, ghosts: bool = True,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Means (n,) of a over the 26 places around cells (n, 3) by weight (mesh), and the sums (n,) of the weights.
 
     open_or_not: the weight is one wherever it is not nothing. along: in place of a, a direction and what holds there.
+    ghosts: whether a has values beyond the sides; else the cells beside the sides stand for them, as in a mirror.
     """
     total, sums = np.zeros(len(cells)), np.zeros(len(cells))
     if len(cells):
         d, x = (0, None) if along is None else along
-        _sum_around(a, x, d, weight, open_or_not, np.ascontiguousarray(cells, np.int64), total, sums)
+        edge = np.int64(0 if ghosts else G)
+        _sum_around(a, x, d, weight, open_or_not, edge, np.ascontiguousarray(cells, np.int64), total, sums)
     return total / np.where(sums > 0.0, sums, 1.0), sums

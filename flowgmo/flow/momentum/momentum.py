@@ -173,9 +173,8 @@ class Momentum:
         return tuple(None if o is None or o.cut is None else o.cut.rows for o in self.operators)
 
     def diffuse(self, columns: np.ndarray, velocity: list, F: np.ndarray | None, dt: float) -> None:
-        """Implicit viscosity: change the predicted velocity, ghosts filled before. Raises StepTooLong."""
-        if not self.implicit:
-            return
+        """Implicit viscosity: change the velocity, ghosts filled before, and leave the change in `work.changes`; ghosts
+        and joined sides are not filled again. Raises StepTooLong."""
         self._slide(self.sides.values)
         self.work.before(columns, velocity)
         if self.friction is not None:
@@ -185,7 +184,6 @@ class Momentum:
             self._solve(columns, velocity, F, dt, "all")
         self.work.after(columns, velocity)
         self.work.note_sides(self.side_walls, velocity, F)
-        self.sides.fill_velocity(velocity)  # joined sides changed on one side only
 
     def _solve(self, columns: np.ndarray, velocity: list, F: np.ndarray | None, dt: float, by: str) -> None:
         """Implicit viscosity; by: see add_implicit_viscosity. Raises StepTooLong."""

@@ -123,14 +123,22 @@ def test_torque_between_cylinders(tmp_path):
     assert errors[1] < 0.7 * errors[0] < 0.04
 
 
-def test_implicit_viscosity_has_the_same_torque(tmp_path):
-    """At steps ten times as long. Measured: .6 % apart."""
-    torques = []
+def test_implicit_viscosity_has_the_same_flow(tmp_path):
+    """Steady, at steps of a hundredth, five times as long: velocities as explicitly, and a torque no farther from the
+    closed form. Measured: 2.4e-3 of the wall's speed apart at most, torque 2.8 and 3.7 % low. (Explicit loads leave out
+    what pressure gives to the wall through slivers, moving_walls.py.) Viscosity that does not know of the pressure
+    leaves 1.8e-2, and a tenth of the pressure in the cells at the wall."""
+    exact = -4.0 * np.pi * 0.25 / 0.75 * 0.1
+    found = []
     for implicit in (0, 1):
         scene = Scene(tmp_path, implicit=implicit, **cylinders(24, 0.013))
-        scene.run(0.15)
-        torques.append(scene.wet.shear_loads()[0][5])
-    assert torques[1] == pytest.approx(torques[0], rel=0.01)
+        while scene.state.t < 0.4 - 1e-9:
+            scene.step(min(1e-2 if implicit else scene.longest(), 0.4 - scene.state.t))
+        found.append((scene.state.fluid, 1.0 - scene.wet.shear_loads()[0][5] / exact))
+    (explicit, error), (implicit, other) = found
+    apart = max(np.abs(u - v).max() for u, v in zip(explicit.velocity[:2], implicit.velocity[:2], strict=True))
+    assert apart < 5e-3 * 0.5
+    assert 0.0 < other < min(error, 0.03)
 
 
 @pytest.mark.parametrize("height", [0.1, 0.12, 0.137])
