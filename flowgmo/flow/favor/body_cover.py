@@ -13,7 +13,7 @@ import numpy as np
 from flowgmo.flow.favor.body_cut import NODES
 from flowgmo.flow.favor.body_paint import count_painted, paint_body
 from flowgmo.flow.favor.body_sheets import Moved
-from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, cut_body
+from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, balls_fit, cut_body
 from flowgmo.flow.favor.near_surface import ROUNDING, TOUCHING, near_cells, node_planes, reach
 from flowgmo.flow.fields import G
 from flowgmo.flow.team import Team
@@ -66,13 +66,14 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
     near = _near_bodies(mesh, bodies)
     known = [_curved(mesh, body, cells) if len(cells) else None for body, (cells, _) in zip(bodies, near, strict=True)]
     covered = [np.empty((len(cells), 7)) for cells, _ in near]
+    balls = [balls_fit(body.rounds, _widths(mesh, body)) if len(body.rounds) else False for body in bodies]
     jobs = [(n, k) for n, (cells, _) in enumerate(near) for k in range(0, len(cells), SHARED)]
 
     def cut(jobs: list, first: int, last: int) -> None:
         for n, k in jobs[first:last]:
             some, (rows, at, values) = slice(k, k + SHARED), known[n]
             body, of_cells = bodies[n], (np.ascontiguousarray(rows[:, some]), at, values)
-            of_body = body.planes, body.rounds, body.side, body.roles, mesh.least
+            of_body = body.planes, body.rounds, balls[n], body.side, body.roles, mesh.least
             cut_body(near[n][0][some], *mesh.halves, *of_body, *of_cells, covered[n][some])
 
     if mesh.team is None:
@@ -84,6 +85,12 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
         BodyCover(numbers, shares, runs, volume)
         for (numbers, shares, volume), (_, runs) in zip(found, near, strict=True)
     ]
+
+
+def _widths(mesh: CoverMesh, body: Moved) -> tuple[np.ndarray, ...]:
+    """Widths [length] of cells near a body along each direction."""
+    first, past = reach(mesh.block.planes, body.bounds)
+    return tuple(w[a : max(b, a + 1)] for w, a, b in zip(mesh.widths, first, past, strict=True))
 
 
 def keep_volume(mesh: CoverMesh, cover: BodyCover, target: float) -> BodyCover:

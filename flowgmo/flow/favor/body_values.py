@@ -4,13 +4,14 @@
     round    d = |w| - r,  w = x - c - a (a . (x - c))      a cylinder about the axis a; a ball with a = 0
 
 Each cell first asks at its middle which sheets reach it, and so which pieces of the body (body_fold.py) it may be cut
-by: most often one, which is cut as body_cut.py has it.
+by: most often one, which is cut as body_cut.py has it; where a ball is all that reaches it, as ball_cut.py has it.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.favor.ball_cut import Ball, cover_cell, fits
 from flowgmo.flow.favor.body_cells import NOWHERE, cover_parts, load_cell
 from flowgmo.flow.favor.body_cut import NODES, cover_by_one
 from flowgmo.flow.favor.body_fold import BEYOND, CUT, MOST_PIECES, SOLID, WITHIN, Fold, choose_pieces
@@ -120,14 +121,27 @@ def _known_values(at, known, own, least, out, row):
     return positive
 
 
+def balls_fit(rounds: np.ndarray, widths: tuple[np.ndarray, ...]) -> bool:
+    """Whether all balls among round sheets (q, 7) are cut exactly in cells of these widths [length]."""
+    radii = rounds[~rounds[:, 3:6].any(axis=1), 6]
+    return len(radii) > 0 and all(fits(float(radius), widths) for radius in radii)
+
+
+@inner
+def _is_ball(rounds, own, s):
+    """Whether number s is a ball, and what it holds is covered (own: side of the piece)."""
+    return own == WITHIN and 0 <= s < len(rounds) and not (rounds[s, 3] or rounds[s, 4] or rounds[s, 5])
+
+
 @free_kernel
-def cut_body(cells, x, y, z, planes, rounds, side, roles, least, rows, at, known, covered):
+def cut_body(cells, x, y, z, planes, rounds, balls, side, roles, least, rows, at, known, covered):
     """covered (c, 7) of cells (c, 3) [without ghosts]: six faces, then volume [-].
 
     x, y, z: planes of half cells; side (p, s), roles (p,): the body's pieces by its sheets, planes (m, 4), rounds (q,
-    7), then those of rows; least [length]: a distance that counts as 0. rows (., c): for each sheet that is neither
-    plane nor round the row of each cell in at (., NODES), numbers of its nodes in known (v,) [length]; FAR_WITHIN
-    where the cell lies far on its negative side, FAR_BEYOND on the other.
+    7), then those of rows; balls: whether balls are cut exactly where nothing else reaches; least [length]: a distance
+    that counts as 0. rows (., c): for each sheet that is neither plane nor round the row of each cell in at (., NODES),
+    numbers of its nodes in known (v,) [length]; FAR_WITHIN where the cell lies far on its negative side, FAR_BEYOND on
+    the other.
     """
     work = work_space()
     pieces, sheets = side.shape
@@ -138,6 +152,7 @@ def cut_body(cells, x, y, z, planes, rounds, side, roles, least, rows, at, known
         np.empty(1 << MOST_PIECES, np.bool_), np.zeros((sheets + 1, NODES)),
         np.empty((2, MOST, 3)), np.empty((8, 8)), np.empty(7), np.empty(7),
     )  # fmt: skip
+    ball = Ball(np.empty((3, 2)), np.empty(8, np.bool_), np.empty((3, 2)), np.empty((3, 2), np.bool_), np.empty((3, 2)))
     sheet = np.empty(sheets, np.int64)
     every = np.arange(pieces)[::-1].copy()
     chosen = np.empty(pieces, np.int64)
@@ -151,6 +166,9 @@ def cut_body(cells, x, y, z, planes, rounds, side, roles, least, rows, at, known
             flat += 1
         step = 2 if used == flat else 1
         alone = n == 1 and base == 0 and roles[chosen[0]] == SOLID
+        if balls and alone and used == 1 and _is_ball(rounds, side[chosen[0], sheet[0]], sheet[0] - len(planes)):
+            cover_cell(ball, rounds[sheet[0] - len(planes)], x, y, z, cells[c], least, covered[c])
+            continue
         loaded = np.int64(0 if alone or base == 1 else NOWHERE)
         own = np.int64(0)
         into = fold.term if alone else values

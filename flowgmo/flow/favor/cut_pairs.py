@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from flowgmo.flow.favor.ball_pairs import cut_balls
 from flowgmo.flow.favor.cell_parts import cut_cells
 from flowgmo.flow.favor.cell_shares import Near, gather, part_of
 from flowgmo.flow.favor.near_surface import Distance, Shape, node_distances, pairs_of
@@ -70,6 +71,9 @@ def cut_pairs(
         cut_cells(ends, values, removed[a:b], pieces, cut.covered[part], cut.opened[a:b])
         if shapes is not None:
             _cut_edges(block, shapes, cut, np.arange(a, b), removed[a:b], whole, pieces)
+            if pieces > 1:
+                of_cells = cells[a:b], ends, which[part], cut.covered[part], cut.opened[a:b], removed[a:b]
+                cut_balls(block, shapes, *of_cells)
     divided = np.flatnonzero(removed)
     parts = [divided[a : a + BATCH] for a in range(0, len(divided), BATCH)]
     lost = sum(_divide(block, distances, cut, removed, whole, part, pieces) for part in parts)

@@ -14,6 +14,8 @@ change of volume goes with it, and what is left, V1 - V0 at the expected velocit
 
 What V1 - V0 asks of the cells differs from what a uniform stream gives that moves with the body, as far as the mean of
 A over the step is not exact: the body then has a drag that is the mesh's. The mean is of three poses for this reason.
+Faces that are hardly open are widened (narrow_faces.py).
+
 A domain without void has no volume to keep: there the bodies push by their shares, and a stream that moves with them
 stays uniform to round-off.
 """
@@ -28,13 +30,13 @@ import numpy as np
 from flowgmo.flow.favor.covered_cells import cells_of, united
 from flowgmo.flow.favor.moving_openings import MovingOpenings
 from flowgmo.flow.favor.near_surface import Pose
-from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, closed_sum
 from flowgmo.flow.immersed.crossings import mend_crossings
 from flowgmo.flow.immersed.fresh import mean_around
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.immersed.moving_walls import spin_resistance, wall_faces
+from flowgmo.flow.immersed.narrow_faces import NARROW, NarrowFaces
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.torn import Around, torn
 from flowgmo.flow.immersed.volume_change import VolumeChange
@@ -45,7 +47,6 @@ from flowgmo.kernel import kernel
 if TYPE_CHECKING:
     from flowgmo.flow.momentum.momentum import Momentum
 
-NARROW = 0.01  # of a face
 BARELY = 0.1  # of a cell: what a body that arrives elsewhere than expected may open; more is the liquid's own surface
 
 
@@ -54,17 +55,6 @@ class Driven(NamedTuple):
 
     any: np.ndarray
     speeds: np.ndarray
-
-
-@kernel
-def narrow(numbers, faces, factors, part, shares):
-    """shares[:, part] times the factor of the face, where numbers (n,) of faces, ascending, are among faces (m,)."""
-    n = np.int64(0)
-    for c in range(len(numbers)):
-        while n < len(faces) and faces[n] < numbers[c]:
-            n += 1
-        if n < len(faces) and faces[n] == numbers[c]:
-            shares[c, part] *= factors[n]
 
 
 @kernel
@@ -144,7 +134,8 @@ class Immersed:
         inside = self.covers.all_inside()
         self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
         self.closed = flow.F is None and (self.solved & self.no_exit | inside)
-        self._widen_gaps()
+        self.narrow = NarrowFaces(self.open, self._numbers(self.cells))
+        self.let_by = self.narrow.let_by(self.shares, self.grid, self.centres, places, velocities, centres)
         self.driven_by = self._find_driven(places, velocities)
         self._uncover_cells(flow, dt)
         self.beyond = np.zeros(len(swept.V0))
@@ -155,7 +146,7 @@ class Immersed:
         self.fluxes: list[BodyFluxes] = []
         for shares, covered, place, centre in zip(self.shares, swept.covered, places, centres, strict=True):
             surface = None if flow.F is None else (flow.F, self.gravity)
-            mine = self._narrowed(shares)
+            mine = self.narrow.shares_of(shares)
             self.fluxes.append(body_fluxes(mine, covered, self.grid, self.centres, place, centre, surface))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
@@ -190,33 +181,6 @@ class Immersed:
         for one, U, closed in zip(self.fluxes, velocities, np.broadcast_to(self.closed, len(self.fluxes)), strict=True):
             np.add.at(out, np.searchsorted(numbers, one.cells), (closed_sum(one.J) if closed else one.J) @ U)
         return out
-
-    def _widen_gaps(self) -> None:
-        """Open faces beside the bodies are open by NARROW at least: gaps between a body and what it rests on.
-
-        In a gap of a millionth of a cell the pressure would be what the solver's tolerance leaves over, divided by the
-        gap: jets, and blows on the body. So wide, the pressure around the body reaches it. What flows there is the
-        pressure's alone: before it acts the liquid moves with the body, since friction would stop it at once.
-        """
-        self.widened = []  # for each direction: numbers of faces, ascending, and by which the bodies' shares shrink
-        numbers = self._numbers(self.cells)
-        for d, A in enumerate(self.open[1:]):
-            flat, step = A.reshape(-1), A.strides[d] // A.itemsize
-            near = [at[(flat[at] > 0.0) & (flat[at] < NARROW)] for at in (numbers, numbers - step)]
-            faces = united(near)
-            self.widened.append((faces, (1.0 - NARROW) / (1.0 - flat[faces])))
-            flat[faces] = NARROW
-
-    def _narrowed(self, shares: Shares) -> Shares:
-        """A body's shares with A + sum of S = 1 on the widened faces too, so that it gets what the liquid loses."""
-        if not any(len(faces) for faces, _ in self.widened):
-            return shares
-        out, numbers = shares.faces.copy(), self._numbers(shares.cells)
-        for d, (faces, factors) in enumerate(self.widened):
-            for upper in (0, 1):
-                step = self.open.V.strides[d] // self.open.V.itemsize
-                narrow(numbers - (1 - upper) * step, faces, factors, 2 * d + upper, out)
-        return shares._replace(faces=out)
 
     def _uncover_cells(self, flow: Flow, dt: float) -> None:
         """F and p of cells that were closed: of what is around them, or void (torn.py)."""
@@ -349,7 +313,7 @@ class Immersed:
         """
         into, rows = right.reshape(-1), self._numbers(self.cells)
         solved = diagonal.reshape(-1)[rows] != 0.0
-        growth = self.growth if self.pushed is None else dt * self.pushed
+        growth = self.growth - dt * self.let_by if self.pushed is None else dt * self.pushed
         growth = np.where(solved, growth, 0.0)
         if self.shut_in:
             growth = closed_sum(growth)
