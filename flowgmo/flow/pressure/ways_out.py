@@ -66,6 +66,16 @@ def _has_void_beside(opened, wet, i, j, k):
     return found
 
 
+@inner
+def _with_room(queue, last):
+    """A queue (n, 3) whose first `last` rows are used, with room for the six neighbours of a cell."""
+    longer = queue
+    if last + 6 > len(queue):
+        longer = np.empty((2 * len(queue), 3), np.int32)
+        longer[:last] = queue[:last]
+    return longer
+
+
 @kernel
 def open_shut_in(pockets, shut, lids, opened, wet, bx, by, bz, mark, kept_open):
     """Open, in shut (n,) bool and wet, the pockets (n, 3) of liquid that has no way out, where void is beyond them, and
@@ -83,9 +93,11 @@ def open_shut_in(pockets, shut, lids, opened, wet, bx, by, bz, mark, kept_open):
         head = last
         out = False
         mark[at] = NOW
+        queue = _with_room(queue, last)
         queue[last, 0], queue[last, 1], queue[last, 2] = at
         last += 1
         while head < last and not out:
+            queue = _with_room(queue, last)
             i, j, k = np.int64(queue[head, 0]), np.int64(queue[head, 1]), np.int64(queue[head, 2])
             head += 1
             for f in range(6):
@@ -98,10 +110,6 @@ def open_shut_in(pockets, shut, lids, opened, wet, bx, by, bz, mark, kept_open):
                     out = True
                 elif mark[beyond] == UNSEEN:
                     mark[beyond] = NOW
-                    if last == len(queue):
-                        longer = np.empty((2 * last, 3), np.int32)
-                        longer[:last] = queue
-                        queue = longer
                     queue[last, 0], queue[last, 1], queue[last, 2] = beyond
                     last += 1
         if not out:

@@ -73,3 +73,18 @@ def test_more_cells_than_the_queue_begins_with():
     ways.begin(pockets)
     ways.open(shut, pockets[:0], wet, (b, 0.0 * V, 0.0 * V))
     assert not shut[0] and ways.kept_open[0] and not ways.mark.any()
+
+
+def test_more_pockets_than_the_queue_begins_with():
+    """Each beside void, so that none needs a look beyond its neighbours."""
+    n = 700
+    V = np.zeros((n + 2 * G, 1 + 2 * G, 1 + 2 * G))
+    V[G:-G, G, G] = 1.0
+    wet = np.zeros(V.shape, np.int8)
+    pockets = np.array([(G + i, G, G) for i in range(1, n - 1, 2)], np.int32)
+    wet[tuple(pockets.T)] = 1
+    ways = WaysOut(Open(V, V.copy(), 0.0 * V, 0.0 * V))
+    ways.begin(pockets)
+    shut = np.ones(len(pockets), bool)
+    ways.open(shut, pockets[:0], wet, (V.copy(), 0.0 * V, 0.0 * V))
+    assert shut.all() and not ways.kept_open.any() and not ways.mark.any()
