@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from flowgmo.flow.surface.donor_acceptor import donor_acceptor_flux
 from flowgmo.flow.surface.liquid_flux import plic_flux
 from flowgmo.flow.surface.surface_tracking import tracking_of
 from flowgmo.flow.team import Team
-from flowgmo.flow.time_step import Rates, courant_rate, surface_limit
+from flowgmo.flow.time_step import courant_rate, surface_limit
 from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT, FluidPlan, speed_in_sight
 
 DUST = 1e-6  # of a cell: less takes no part; it is what the pressure's tolerance leaves in a step (stages.TOLERANCE).
@@ -34,6 +35,17 @@ HIGH = 100.0  # Reynolds number of a cell: its viscous forces are a hundredth of
 
 #: `IFVOF`: how the liquid crosses faces
 CARRY = {"plic": plic_flux, "donor": donor_acceptor_flux}
+
+
+class Rates(NamedTuple):
+    """How fast the liquid crosses cells [1/time].
+
+    summed: largest sum over directions; dt times this is the Courant number. bounding: the same, and with a CON above
+    MOST_COURANT the larger of the largest along one direction and of the sums by their own weight.
+    """
+
+    summed: float
+    bounding: float
 
 
 class Liquid:
@@ -150,8 +162,9 @@ class Liquid:
 
     def rates(self, F: np.ndarray | None, velocity: list) -> Rates:
         """How fast the liquid crosses cells with these velocities; its columns are found."""
-        bound = self.plan.steps.courant
-        return courant_rate(self.team, self.near, self.grid, self.openings, F, DUST, velocity, bound)
+        courant = self.plan.steps.courant
+        summed, along = courant_rate(self.team, self.near, self.grid, self.openings, F, DUST, velocity)
+        return Rates(summed, summed if courant <= MOST_COURANT else max(along, MOST_ALONG / courant * summed))
 
     def longest_step(self, flow: Flow, start: float, bodies: float = np.inf) -> float:
         """How long the next step may be [time]; `limiting` names what bounds it. start: DELT, for the first step;

@@ -12,28 +12,15 @@ viscosity  explicit only (viscosity.py)
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.team import Team
-from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT
 from flowgmo.kernel import flow_kernel, inner
 
 AT_A_CUT = 0.5  # share of the rate of speeds that counts in cut cells, see above
-
-
-class Rates(NamedTuple):
-    """How fast the liquid crosses cells [1/time].
-
-    summed: largest sum over directions; dt times this is the Courant number. bounding: the larger of the largest along
-    one direction and, weighted, of the sums; dt times this is at most MOST_COURANT.
-    """
-
-    summed: float
-    bounding: float
 
 
 @inner
@@ -100,13 +87,12 @@ def courant_rate(
     F: np.ndarray | None,
     least: float,
     velocity: list,
-    courant: float,
-) -> Rates:
-    """The largest rates [1/time] at which liquid (F > least) crosses a cell; courant: bound of the sums, CON."""
+) -> tuple[float, float]:
+    """The largest rates [1/time] at which liquid (F > least) crosses a cell: summed over directions, along one."""
     rates = np.zeros((len(columns), 2))
     team.run(fastest, columns, grid, 1.0 / grid.dz, opened.V, opened, F, least, *velocity, rates)
     summed, along = rates.max(axis=0, initial=0.0).tolist()
-    return Rates(summed, summed if courant <= MOST_COURANT else max(along, MOST_ALONG / courant * summed))
+    return summed, along
 
 
 def surface_limit(grid: Grid, gravity: np.ndarray, directions: tuple[bool, ...]) -> float:
