@@ -26,7 +26,7 @@ from flowgmo.flow.pressure.first_stage import push_by_last_pressure
 from flowgmo.flow.pressure.projection import Couple
 from flowgmo.flow.pressure.sealed import PressedTogether
 from flowgmo.flow.surface.surface_tracking import move_liquid as carry_liquid
-from flowgmo.flow.time_step import MOST_ALONG, MOST_COURANT
+from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT
 
 REST = 1e-11  # share of a cell for the pressure at the start: still water must stay still
 AGED = 2.5  # lengths of the last step: in longer ones its pressure is no measure (momentum/prediction.py); a choice
