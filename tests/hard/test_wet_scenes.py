@@ -131,16 +131,18 @@ def test_liquid_thrown_at_a_roof_falls_back():
 def test_a_closed_box_is_filled_to_the_last_cells(box):
     """An inflow that nothing ends: the run goes on until there is no room, and then says so.
 
-    Measured: .9 and 1.2 of 1200 cells are empty then, one overfull by 3 % in the step before; 5 cells when a cell
-    was full at half.
+    Measured: .8 to 3.4 of 1200 cells are empty then, less than what the next step would bring; one overfull by 3 % in
+    the step before.
     """
     bcdata = sides(6, 2, "ubct(1,1)=.5, flhtbct(1,1)=.5,")
     liquid, flow, first = start(wet(XPUT, fl="flht=.2,", mesh=ROOM, bcdata=bcdata, **({"obs": box} if box else {})))
+    times = []
     with pytest.raises(StepFailed, match="pressed together"):
-        advance(liquid, flow, first, end=2.0)
+        advance(liquid, flow, first, end=2.0, each=lambda t, flow: times.append(t))
     V = 1.0 if liquid.openings.V is None else liquid.openings.V[REAL]
     room = ((1.0 - np.minimum(flow.F[REAL], 1.0)) * V).sum()
-    assert room <= 3.0
+    brought = flow.passed[0] / times[-1] * 1.2 * flow.dt / (liquid.grid.dx[2] * liquid.grid.dy[2] * liquid.grid.dz[2])
+    assert room <= max(brought, 1.5)  # cells
     assert flow.F[REAL].max() <= 1.05
 
 

@@ -136,7 +136,6 @@ class Immersed:
         self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
         self.closed = flow.F is None and (self.solved & self.no_exit | inside)
         self.narrow = NarrowFaces(self.open, self._numbers(self.cells))
-        self.let_by = self.narrow.let_by(self.shares, self.grid, self.centres, places, velocities, centres)
         self.driven_by = self._find_driven(places, velocities)
         self._uncover_cells(flow, dt)
         self.beyond = np.zeros(len(swept.V0))
@@ -319,7 +318,7 @@ class Immersed:
         """
         into, rows = right.reshape(-1), self._numbers(self.cells)
         solved = diagonal.reshape(-1)[rows] != 0.0
-        growth = self.growth - dt * self.let_by if self.pushed is None else dt * self.pushed
+        growth = self.growth if self.pushed is None else dt * self.pushed
         growth = np.where(solved, growth, 0.0)
         if self.shut_in:
             growth = closed_sum(growth)
