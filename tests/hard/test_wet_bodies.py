@@ -83,7 +83,7 @@ SCENES = {
         2e-8,
         1e-6,
         100.0,
-    ),  # 9e-9 (2e-10 where it sank a little for its buoyancy was 2.5e-3 off), 3e-9, 70: the ball itself, 104
+    ),  # 9e-9 (2e-10 with buoyancy 2.5e-3 off), 3e-9, 70: the ball itself, 104
     "tiny": (0.04, 0.03, FAST),  # .02, .008 to .016, 2
 }
 PLUG_FREE = (0.3, 0.2, 20.0)  # .03 to .15, .06 to .13, 1 to 7 in 19 of 20 draws
@@ -97,11 +97,8 @@ STREAMS = {  # over, speed; the streams bring energy
 RELEASED = {
     "0.001": (0.2, 0.1, FAST),  # .04 to .11 with five g a hair apart, .05, 4 to 8
     "0.01": (0.2, 0.1, FAST),  # .02, .05, 4
-    "0.1": (
-        0.15,
-        0.13,
-        FAST,
-    ),  # .01 to .06, .118 (.08 where balls were cut by chords), 4 to 7; to .11 where impacts meet what the liquid does not fit
+    # with balls cut by chords .08 overfull; rises to .11 where impacts meet what the liquid does not fit
+    "0.1": (0.15, 0.13, FAST),  # .01 to .06, .118, 4 to 7
     "0.5": (0.02, 0.12, FAST),  # .004, .07, 2
     "0.9": (0.15, 0.03, FAST),  # .10, .02, .6: of a kinetic energy of 1e-4 of the potential one
     "1.1": (0.3, 0.03, FAST),  # .14 to .18, .015, .6 to .9, likewise
