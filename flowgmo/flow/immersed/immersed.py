@@ -40,7 +40,6 @@ from flowgmo.flow.immersed.narrow_faces import NARROW, NarrowFaces
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.torn import Around, torn
 from flowgmo.flow.immersed.volume_change import VolumeChange
-from flowgmo.flow.immersed.waterline import Surface
 from flowgmo.flow.pressure.face_flows import PUSH
 from flowgmo.flow.team import Team
 from flowgmo.kernel import kernel
@@ -144,17 +143,12 @@ class Immersed:
         self._find_faces(flow, places, velocities)
         self.hold(flow.velocity)
         self.fluxes: list[BodyFluxes] = []
-        surface = self.surface(flow)
-        each = self.shares, swept.covered, places, centres, self.covers.covers
-        for shares, covered, place, centre, cover in zip(*each, strict=True):
-            mine, mesh = self.narrow.shares_of(shares), (self.grid, self.centres)
-            self.fluxes.append(body_fluxes(mine, covered, *mesh, place, centre, surface, cover.ball))
+        for shares, covered, place, centre in zip(self.shares, swept.covered, places, centres, strict=True):
+            surface = None if flow.F is None else (flow.F, self.gravity)
+            mine = self.narrow.shares_of(shares)
+            self.fluxes.append(body_fluxes(mine, covered, self.grid, self.centres, place, centre, surface))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
-
-    def surface(self, flow: Flow) -> Surface | None:
-        """Of the liquid as it is now, among what is open now; None where nothing is void."""
-        return None if flow.F is None else Surface(flow.F, self.gravity, self.covers.open)
 
     def _renew_at_mean(self) -> None:
         """Sort faces anew with the mean of the open volumes, as the areas are means: what is open of a cell must not
