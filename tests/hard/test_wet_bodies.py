@@ -79,11 +79,7 @@ SCENES = {
     "slam": (0.04, 0.25, FAST),  # .02, .17, 3: the sweeps of a jet at a Courant number of .5
     "slam_driven": (0.01, 1e-4, FAST),  # 2e-13, 2e-5, 4; .07 where the plate's velocity counts before the water has it
     "spin": (0.06, 0.03, 60.0),  # .033 of 601 J, .011, 40: the corners of the box, 76
-    "spin_ball": (
-        2e-8,
-        1e-6,
-        100.0,
-    ),  # 9e-9 (2e-10 with buoyancy 2.5e-3 off), 3e-9, 70: the ball itself, 104
+    "spin_ball": (1e-9, 1e-6, 100.0),  # 2e-10, 3e-9, 70: the ball itself, 104
     "tiny": (0.04, 0.03, FAST),  # .02, .008 to .016, 2
 }
 PLUG_FREE = (0.3, 0.2, 20.0)  # .03 to .15, .06 to .13, 1 to 7 in 19 of 20 draws
