@@ -89,7 +89,7 @@ def _film(found: Findings, bodies: tuple[Body, ...], mu: float | None) -> FilmPl
 def _steps(found: Findings, bodies: tuple[Body, ...]) -> StepPlan:
     deck = found.deck
     courant, most = float(deck["CON"]), MOST_SUM
-    why = "which liquid carried in two parts bears"
+    why = "beyond which the velocity is no longer stable"
     if any(body.kind != SOLID for body in bodies):
         most, why = MOST_COURANT, "up to which the liquid's fractions stay within bounds beside bodies that move"
     if courant > most:
