@@ -22,7 +22,7 @@ import numpy as np
 from flowgmo.bodies.arrays import POSE
 from flowgmo.bodies.energy import rotation_matrices
 from flowgmo.collision.gaps import Gaps
-from flowgmo.film_patch import Patch, measured, of_balls, own_share
+from flowgmo.film_patch import Patches, measured, of_balls, own_shares
 from flowgmo.flow.fields import G
 from flowgmo.flow.immersed.contact_rows import rows_of_contacts
 from flowgmo.flow.immersed.film import REACH, Films, Squeeze, strength_of
@@ -41,6 +41,9 @@ WIDER = 2.0  # times the width of another place: beyond its film, which reaches 
 STEEP = 0.25  # growth of the gap along itself: 14 degrees between the surfaces, which only an edge has at its narrowest
 RISE = 0.125  # of the width: a way on which the gap widens by less leads on to where it is narrower
 WAY = np.arange(1, 8)[:, None, None] / 8.0  # places between two, where the gap is looked at
+AROUND = np.stack(np.meshgrid(*3 * [np.arange(-1, 2)], indexing="ij"), axis=-1).reshape(
+    -1, 3
+)  # a cell and those that touch it
 SLIPPERY = 0.25  # of the force: a film between a wall and a surface on which it slides
 
 
@@ -126,8 +129,7 @@ class Film:
         for a, b in np.unique(near[["a", "b"]]).tolist():
             if (a, b) not in self.overlapping:
                 groups = self._narrowest(_groups(near[(near["a"] == a) & (near["b"] == b)]), motion)
-                for group in groups:
-                    found += self._film(group, groups, F, motion)
+                found += self._films(groups, F, motion)
         if not found:
             return None
         number = np.full(self.n + 6, -1)
@@ -172,36 +174,55 @@ class Film:
         given, size = self.model.fluid.film.roughness, self._smaller(a, b)
         return (ROUGH * size, FLAT * size) if given is None else (given,)
 
-    def _film(self, group: Array, groups: list[Array], F: Array | None, motion: Array) -> list[Found]:
-        """The film of contacts of one pair with one normal: one, or none. groups: of the pair."""
-        a, b = int(group["a"][0]), int(group["b"][0])
-        gap = max(float(group["gap"].min()), 0.0)
-        cell = self._cell(group["point"].mean(axis=0), group["normal"][0])
-        if gap >= REACH * cell:
+    def _films(self, groups: list[Array], F: Array | None, motion: Array) -> list[Found]:
+        """The films of a pair, from its contacts told apart by their normals: of each group one, or none."""
+        gap = np.array([max(float(group["gap"][0]), 0.0) for group in groups])
+        middle = np.array([group["point"].mean(axis=0) for group in groups])
+        cell = self._cells(middle, np.array([group["normal"][0] for group in groups]))
+        reached = gap < REACH * cell
+        some, gap = [group for group, there in zip(groups, reached, strict=True) if there], gap[reached]
+        if not some:
             return []
-        for rough in self._rough(a, b):
-            h = gap + rough
-            near = np.maximum(1.0 - (group["gap"] - group["gap"].min()) / h, 0.0)  # those within which the gap doubles
-            place = (near[:, None] * group["point"]).sum(axis=0) / near.sum()
-            normal = (near[:, None] * group["normal"]).sum(axis=0)
-            normal /= np.linalg.norm(normal)
-            patch = self._patch(a, b, place, normal, h, motion)
-            if patch.power < PLATE:
-                break
-        cell = self._cell(patch.place, normal)
-        share = self._inside(patch, h) * self._wet(patch, h, cell, F) * (SLIPPERY if b in self.slippery else 1.0)
-        alike = [g["point"][0] for g in groups if g is not group and g["normal"][0] @ normal > 0.0]
-        share *= own_share(patch, h, group["point"][0], np.array(alike).reshape(-1, 3))
-        if share <= 0.0 or gap >= REACH * cell:
-            return []
-        strength = share * float(strength_of(patch.curvatures[None], h, self.model.fluid.mu)[0])
-        return [Found(a, b, patch.place, normal, gap, strength, patch.power, cell, rough)]
+        a, b = int(some[0]["a"][0]), int(some[0]["b"][0])
+        rough, normal, patches = self._patches(a, b, some, gap, motion)
+        h, cell = gap + rough, self._cells(patches.place, normal)
+        own, first = np.array([g["point"][0] for g in some]), np.array([g["normal"][0] for g in groups])
+        alike = (first[reached] @ first.T > 0.0) & (np.flatnonzero(reached)[:, None] != np.arange(len(groups)))
+        share = self._inside(patches, h) * self._wet(patches, h, cell, F) * (SLIPPERY if b in self.slippery else 1.0)
+        share *= own_shares(patches, h, own, np.array([g["point"][0] for g in groups]), alike)
+        strength = share * strength_of(patches.curvatures, h, self.model.fluid.mu)
+        each = zip(patches.place, normal, gap.tolist(), strength.tolist(), patches.power, cell, rough, strict=True)
+        there = (share > 0.0) & (gap < REACH * cell)
+        return [Found(a, b, *one) for one, yes in zip(each, there, strict=True) if yes]
 
-    def _patch(self, a: int, b: int, place: Array, normal: Array, h: float, motion: Array) -> Patch:
+    def _patches(self, a: int, b: int, groups: list[Array], gap: Array, motion: Array) -> tuple[Array, Array, Patches]:
+        """Roughness (k,) [length], normals (k, 3), and how far films of a pair with gaps (k,) reach.
+
+        Films between faces, which end all around, are as rough as faces are.
+        """
+        round_, *flat = self._rough(a, b)
+        rough = np.full(len(groups), round_)
+        normal, patches = self._patched(a, b, groups, gap + rough, motion)
+        plates = np.flatnonzero(patches.power >= PLATE)
+        if flat and len(plates):
+            rough[plates] = flat[0]
+            some = [groups[k] for k in plates]
+            normal[plates], other = self._patched(a, b, some, (gap + rough)[plates], motion)
+            for mine, new in zip(patches, other, strict=True):
+                mine[plates] = new
+        return rough, normal, patches
+
+    def _patched(self, a: int, b: int, groups: list[Array], h: Array, motion: Array) -> tuple[Array, Patches]:
+        """Normals (k, 3) and patches of gaps h (k,) [length], about the middle of contacts where the gap doubles."""
+        place, normal = np.empty((len(groups), 3)), np.empty((len(groups), 3))
+        for k, group in enumerate(groups):
+            near = np.maximum(1.0 - (group["gap"] - group["gap"][0]) / h[k], 0.0)
+            place[k], normal[k] = near @ group["point"] / near.sum(), near @ group["normal"]
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
         radii = [self._ball_radius(a), self._ball_radius(b)]
         if radii[0] is not None and radii[1] is not None:
-            return of_balls(place, normal, 1.0 / radii[0] + 1.0 / radii[1])
-        return measured(self._width(a, b, motion), place, normal, h, self.whole)
+            return normal, of_balls(place, normal, 1.0 / radii[0] + 1.0 / radii[1])
+        return normal, measured(self._width(a, b, motion), place, normal, h, self.whole)
 
     def _width(self, a: int, b: int, motion: Array) -> Callable[[Array], Array]:
         """Widths (m,) of the gap between two parties at points (m, 3)."""
@@ -223,48 +244,53 @@ class Film:
         body, R = self.model.bodies[party], rotation_matrices(motion["q"][party : party + 1])[0]
         return lambda x: body.shape.distance((x - motion["p"][party]) @ R + body.origin)
 
-    def _cell(self, place: Array, normal: Array) -> float:
-        """Width [length] of the cell at a place along a normal."""
-        widths = np.array([x[k + 1] - x[k] for x, k in zip(self.planes, self._cell_at(place), strict=True)])
-        return float(np.linalg.norm(widths * normal * self.present)) or self.widest
+    def _cells(self, place: Array, normal: Array) -> Array:
+        """Widths (k,) [length] of the cells at places (k, 3) along normals (k, 3)."""
+        at = self._cells_at(place)
+        widths = np.column_stack([x[k + 1] - x[k] for x, k in zip(self.planes, at.T, strict=True)])
+        size = np.linalg.norm(widths * normal * self.present, axis=1)
+        return np.where(size > 0.0, size, self.widest)
 
-    def _inside(self, patch: Patch, h: float) -> float:
-        """Share of a film that lies in the domain."""
-        share = 1.0
+    def _inside(self, patches: Patches, h: Array) -> Array:
+        """Shares (k,) of films that lie in the domain."""
+        share = np.ones(len(h))
         for axis in range(3):
-            across = patch.lines[:, axis]
-            if np.abs(across).max() > NARROW:
-                reach = np.sqrt((2.0 * h / patch.curvatures * across**2).sum())
-                ends = (self.bounds[:, axis] - patch.place[axis]) * (-1.0, 1.0)
-                share *= 0.5 * np.clip(ends / reach, -1.0, 1.0).sum()
-        return max(share, 0.0)
+            across = patches.lines[:, :, axis]
+            reach = np.sqrt((2.0 * h[:, None] / patches.curvatures * across**2).sum(axis=1))
+            ends = (self.bounds[:, axis] - patches.place[:, axis, None]) * (-1.0, 1.0)
+            extent = np.abs(across).max(axis=1) > NARROW
+            part = 0.5 * np.clip(ends / np.where(extent, reach, 1.0)[:, None], -1.0, 1.0).sum(axis=1)
+            share *= np.where(extent, part, 1.0)
+        return np.maximum(share, 0.0)
 
-    def _wet(self, patch: Patch, h: float, cell: float, F: Array | None) -> float:
-        """Share of liquid in what is open of the cells around a film's middle, and a cell beyond its four ends."""
+    def _wet(self, patches: Patches, h: Array, cell: Array, F: Array | None) -> Array:
+        """Shares (k,) of liquid in what is open of the cells around middles of films, and a cell beyond their ends."""
         if F is None:
-            return 1.0
-        ways = (np.sqrt(2.0 * h / patch.curvatures) + cell)[:, None] * patch.lines
-        liquid, total = 0.0, 0.0
-        for place in patch.place + np.concatenate([np.zeros((1, 3)), ways, -ways]):
-            at = self._cell_at(place)
-            around = tuple(slice(k + G - 1, k + G + 2) for k in at)
-            liquid += float((self.V[around] * F[around].clip(0.0, 1.0)).sum())
-            total += float(self.V[around].sum())
-        return liquid / total if total > 0.0 else 0.0
+            return np.ones(len(h))
+        ways = (np.sqrt(2.0 * h[:, None] / patches.curvatures) + cell[:, None])[..., None] * patches.lines
+        places = patches.place[:, None] + np.concatenate([np.zeros((len(h), 1, 3)), ways, -ways], axis=1)
+        at = G + self._cells_at(places)[:, :, None] + AROUND
+        i, j, k = np.moveaxis(at, -1, 0)
+        V = self.V[i, j, k]
+        total = V.sum(axis=(1, 2))
+        return (V * F[i, j, k].clip(0.0, 1.0)).sum(axis=(1, 2)) / np.where(total > 0.0, total, 1.0)
 
-    def _cell_at(self, place: Array) -> list[int]:
-        """Numbers of the cell, ghosts not counted, that is nearest to a place."""
-        return [int(np.clip(np.searchsorted(x, p) - 1, 0, len(x) - 2)) for x, p in zip(self.planes, place, strict=True)]
+    def _cells_at(self, place: Array) -> Array:
+        """Numbers (.., 3) of the cells, ghosts not counted, that are nearest to places (.., 3)."""
+        at = [np.searchsorted(x, place[..., d]).clip(1, len(x) - 1) - 1 for d, x in enumerate(self.planes)]
+        return np.stack(at, axis=-1)
 
 
 def _groups(contacts: Array) -> list[Array]:
     """Contacts (m,) CONTACT of a pair told apart by their normals, each group begun by its narrowest place."""
-    groups, left = [], contacts[np.argsort(contacts["gap"], kind="stable")]
-    while len(left):
-        alike = left["normal"] @ left["normal"][0] > ALIKE
-        alike[0] = True
-        groups.append(left[alike])
-        left = left[~alike]
+    order = np.argsort(contacts["gap"], kind="stable")
+    normal, left, groups = contacts["normal"][order], np.ones(len(order), bool), []
+    while left.any():
+        first = left.argmax()
+        alike = left & (normal @ normal[first] > ALIKE)
+        alike[first] = True
+        groups.append(contacts[order[alike]])
+        left &= ~alike
     return groups
 
 

@@ -116,11 +116,11 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
 
 
 def _viscosity_needs_pressure(liquid: Liquid, p: np.ndarray) -> bool:
-    """Whether implicit viscosity, which acts on what the last pressure leaves, would see liquid fall in the first step.
+    """Whether viscosity, which acts on what the last pressure leaves, would see liquid fall in the first step.
 
     Liquid that gives way keeps the pressure it is given: its volume depends on it.
     """
-    return liquid.momentum.implicit and liquid.projector.beta is None and not p.any()
+    return bool(liquid.plan.mu) and liquid.projector.beta is None and not p.any()
 
 
 def _liquid_at_start(liquid: Liquid, model: Model) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Implicit viscosity leaves liquid at rest as it is; what moves goes as with explicit viscosity, at longer steps."""
+"""Viscosity leaves liquid at rest as it is; with implicit one what moves goes as with explicit, at longer steps."""
 
 from pathlib import Path
 
@@ -14,14 +14,14 @@ SIZE, NU = 0.1, 3.85e-4  # a closed box of .1 m, oil of 3.85 cm2/s: sqrt(g H) is
 WALLS = "ibct=2,2,2,2,2,2,"
 MESH = f"px=0., {SIZE}, nxcelt=10, py=0., {SIZE}, nycelt=10, pz=0., {SIZE}, nzcelt=10,"
 WEDGE = "nobs=1, imo(1)=0, iob(1)=1, zh(1)=.04, rotx(1)=25., xl(1)=-1., xh(1)=1., yl(1)=-1., yh(1)=1., zl(1)=-1.,"
-REST = 1e-10  # of sqrt(g H); measured at most 1e-11
+REST = {0: 3e-10, 1: 1e-10}  # of sqrt(g H), by impvis; measured at most 1.3e-10, 1e-11
 E1 = Path(__file__).parents[3] / "decks" / "settling" / "e1.nml"
 
 
-def oil(*, height=None, obs="", xput="", order=3, g="gz=-9.81,"):
+def oil(*, height=None, obs="", xput="", order=3, g="gz=-9.81,", implicit=1):
     surface = "itb=0" if height is None else "itb=1"
     return wet(
-        f"twfin=9., delt=1e-3, {surface}, ifvisc=1, iwsh=1, impvis=1, iorder={order}, {g} {xput}",
+        f"twfin=9., delt=1e-3, {surface}, ifvisc=1, iwsh=1, impvis={implicit}, iorder={order}, {g} {xput}",
         props="rhof=970., mu1=.373,", fl="" if height is None else f"nfls=1, fzh(1)={height},",
         bcdata=WALLS, mesh=MESH, obs=obs,
     )  # fmt: skip
@@ -38,13 +38,15 @@ def fastest(flow):
 @pytest.mark.parametrize("obs", ["", WEDGE], ids=["box", "wedge"])
 @pytest.mark.parametrize("height", [None, 0.083])
 @pytest.mark.parametrize("order", [1, 3])
-def test_oil_at_rest_stays_so(height, obs, order):
-    """Before the last pressure was part of what viscosity acts on: .03 to .07 m/s at steps of .01 s."""
+@pytest.mark.parametrize("implicit", [0, 1])
+def test_oil_at_rest_stays_so(height, obs, order, implicit):
+    """Before the last pressure was part of what implicit viscosity acts on: .03 to .07 m/s at steps of .01 s. Explicit,
+    started without a pressure: .007 m/s."""
     for dt in (1e-3, 1e-2):
-        liquid, flow, _ = start(oil(height=height, obs=obs, order=order))
+        liquid, flow, _ = start(oil(height=height, obs=obs, order=order, implicit=implicit))
         liquid.longest_step = lambda flow, first, dt=dt: dt
         advance(liquid, flow, dt, most=12)
-        assert fastest(flow) < REST
+        assert fastest(flow) < REST[implicit]
         assert flow.friction[0] == pytest.approx(0.0, abs=1e-18)
 
 
@@ -54,22 +56,23 @@ def test_steps_of_any_length():
     lengths = iter([1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.2, 0.01, 1e-4])
     liquid.longest_step = lambda flow, first: next(lengths)
     advance(liquid, flow, 1e-3, most=10)
-    assert fastest(flow) < REST
+    assert fastest(flow) < REST[1]
 
 
 @pytest.mark.parametrize("height", [None, 0.083])
-def test_a_ball_as_heavy_as_the_oil_stays(height):
-    """Of the volume that it has on the mesh. Before: .09 m/s at steps of .01 s."""
+@pytest.mark.parametrize("implicit", [0, 1])
+def test_a_ball_as_heavy_as_the_oil_stays(height, implicit):
+    """Of the volume that it has on the mesh. Before: .09 m/s at steps of .01 s; explicit, without a pressure, .035."""
     place = 0.0405 if height else 0.0505
-    world, _ = begin(oil(height=height, obs=ball(970.0, place), xput="imobs=1,"))
+    world, _ = begin(oil(height=height, obs=ball(970.0, place), xput="imobs=1,", implicit=implicit))
     displaced = float((1.0 - world.liquid.openings.V[REAL]).sum()) * (SIZE / 10) ** 3
     density = 970.0 * displaced * 970.0 / float(world.arrays["mass"][0])
     for dt in (1e-3, 1e-2):
-        world, state = begin(oil(height=height, obs=ball(density, place), xput="imobs=1,"))
+        world, state = begin(oil(height=height, obs=ball(density, place), xput="imobs=1,", implicit=implicit))
         for _ in range(12):
             step(world, state, state.t + dt, np.zeros(0), False)
-        assert fastest(state.fluid) < REST
-        assert np.abs(state.v_WB).max() < REST
+        assert fastest(state.fluid) < REST[implicit]
+        assert np.abs(state.v_WB).max() < REST[implicit]
 
 
 def falling(implicit, dt, end=0.4):
