@@ -95,7 +95,7 @@ class Explicit:
         b, around = self.bodies, self.bodies.liquid.immersed
         covers = around.covers.covers
         middles, grid = b.middles(motion), b.liquid.grid
-        surface = None if flow.F is None else (flow.F, b.liquid.gravity)
+        surface = around.surface(flow)
         return [
             resting_fluxes(covers[k], grid, around.centres, motion["p"][n], surface, middles[k])
             for n, k in ((int(n), b.place[int(n)]) for n in b.coupled)

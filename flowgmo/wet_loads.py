@@ -60,7 +60,7 @@ class WetLoads:
         """The loads of the pressure as it stands, bodies where they are."""
         liquid = self.liquid
         around = liquid.immersed
-        surface = None if flow.F is None else (flow.F, liquid.gravity)
+        surface = around.surface(flow)
         fluxes = [
             resting_fluxes(cover, liquid.grid, around.centres, p_WB[b], surface)
             for b, cover in zip(self.movers, around.covers.covers, strict=True)

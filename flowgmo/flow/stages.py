@@ -42,6 +42,8 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     liquid.find_columns(flow.F)
     liquid.clear_beyond()
     liquid.projector.set_surface(flow.F)
+    if liquid.immersed is not None:
+        liquid.immersed.reach_slits(liquid.projector.wet, liquid.projector.matrix.b)
     _look_beside(liquid, flow.F)
     for a in liquid.acceleration:
         if a is not None:

@@ -68,7 +68,7 @@ SCENES = {
     "bubbles": (0.1, 0.1, FAST),  # .04, .04 to .06, 3
     "feather": (0.1, 0.2, 20.0),  # 7 places a hair to .001 m apart: 0 to .03, .08 to .10, 3 to 9; 1.1 and 300 m/s where
     # nothing but its own inertia, 1e-6 of the water's, held it along the surface
-    "gate": (0.1, 0.1, FAST),  # .02 to .04, .01 to .02, 5; .29 where impacts are paid for in the next step
+    "gate": (0.1, 0.1, FAST),  # .02 to .05, .01 to .07, 5 to 7; .29 where impacts are paid for in the next step
     "hit": (0.06, 0.1, FAST),  # .022, .03 to .04, 2 to 5; .23 likewise
     "hollow": (0.06, 0.15, FAST),  # .03, .08, 6 to 7
     "one_cell": (0.0, 0.0, 0.0),  # nothing moves
@@ -79,7 +79,7 @@ SCENES = {
     "slam": (0.04, 0.25, FAST),  # .02, .17, 3: the sweeps of a jet at a Courant number of .5
     "slam_driven": (0.01, 1e-4, FAST),  # 2e-13, 2e-5, 4; .07 where the plate's velocity counts before the water has it
     "spin": (0.06, 0.03, 60.0),  # .033 of 601 J, .011, 40: the corners of the box, 76
-    "spin_ball": (1e-9, 1e-6, 100.0),  # 2e-10, 3e-9, 70: the ball itself, 104
+    "spin_ball": (1e-9, 1e-6, 100.0),  # 3e-14, 2e-12, 70: the ball itself, 104; 2e-8 by round-off of potential energy
     "tiny": (0.04, 0.03, FAST),  # .02, .008 to .016, 2
 }
 PLUG_FREE = (0.3, 0.2, 20.0)  # .03 to .15, .06 to .13, 1 to 7 in 19 of 20 draws
@@ -105,7 +105,7 @@ THROWN = {  # rise: of a light ball that has stopped the largest kinetic energy 
     "0.01": (0.1, 0.15, FAST),  # .06, .10, 3.5
     "0.1": (0.06, 0.08, FAST),  # .035, .05, 3.5
     "0.5": (0.01, 0.03, FAST),  # .003, .01, 3.5
-    "0.9": (0.06, 0.03, FAST),  # .02, .01, 6 to 7
+    "0.9": (0.06, 0.03, FAST),  # 30 g 1e-4 apart: .007 to .030, .01, 4 to 20; .41 and 74 by jets through slits
     "1.1": (0.15, 0.03, FAST),  # .05 to .07, .01, 20; once .158 overfull
     "100": (0.005, 0.1, FAST),  # .001, .007, 14
 }

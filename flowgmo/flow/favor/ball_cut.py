@@ -106,6 +106,12 @@ def _face(ball, R, d, side):
 
 
 @inner
+def scratch():
+    """A Ball to be filled in."""
+    return Ball(np.empty((3, 2)), np.empty(8, np.bool_), np.empty((3, 2)), np.empty((3, 2), np.bool_), np.empty((3, 2)))
+
+
+@inner
 def cover_by_ball(ball, R, least, out):
     """out (7,): shares of the faces and the volume of the cell ball.q that a ball of radius R [length] covers.
 
@@ -147,6 +153,6 @@ def cover_cell(ball, sheet, x, y, z, cell, least, out):
 @kernel
 def cover_cells(cells, x, y, z, sheet, least, covered):
     """covered (n, 7) of cells (n, 3) [without ghosts] by one ball, as of cover_cell."""
-    ball = Ball(np.empty((3, 2)), np.empty(8, np.bool_), np.empty((3, 2)), np.empty((3, 2), np.bool_), np.empty((3, 2)))
+    ball = scratch()
     for c in range(len(cells)):
         cover_cell(ball, sheet, x, y, z, cells[c], least, covered[c])

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.favor.body_cut import NODES
+from flowgmo.flow.favor.body_fold import WITHIN
 from flowgmo.flow.favor.body_paint import count_painted, paint_body
 from flowgmo.flow.favor.body_sheets import Moved
 from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, balls_fit, cut_body
@@ -28,12 +29,14 @@ PIECES = 2  # halves of a cell in each direction, for curved sheets
 class BodyCover(NamedTuple):
     """numbers (n,) int64 of cells near the surface, ascending; shares (n, 7) of their faces, lower x, upper x, .., and
     volume that the body covers; runs (m, 2) int64 of cells wholly inside, first and one past the last, ascending, that
-    are not among the others. volume [length3] of the body on the mesh."""
+    are not among the others. volume [length3] of the body on the mesh. ball (7,): centre, 0 (3), radius [length] of a
+    body that is a ball and is cut exactly; None of others."""
 
     numbers: np.ndarray
     shares: np.ndarray
     runs: np.ndarray
     volume: float
+    ball: np.ndarray | None = None
 
 
 class CoverMesh:
@@ -82,9 +85,15 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
         mesh.team.run_rows(cut, jobs, WORTHWHILE)
     found = [_collect(mesh, cells, of_body, runs) for (cells, runs), of_body in zip(near, covered, strict=True)]
     return [
-        BodyCover(numbers, shares, runs, volume)
-        for (numbers, shares, volume), (_, runs) in zip(found, near, strict=True)
+        BodyCover(numbers, shares, runs, volume, _ball(body, exact))
+        for (numbers, shares, volume), (_, runs), body, exact in zip(found, near, bodies, balls, strict=True)
     ]
+
+
+def _ball(body: Moved, exact: bool) -> np.ndarray | None:
+    """The round sheet (7,) of a body that is nothing else; exact: of balls_fit."""
+    alone = len(body.rounds) == 1 and not len(body.planes) and not body.curved and body.side.tolist() == [[WITHIN]]
+    return body.rounds[0] if exact and alone else None
 
 
 def _widths(mesh: CoverMesh, body: Moved) -> tuple[np.ndarray, ...]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.flow.favor.ball_cut import Ball, cover_cell, fits
+from flowgmo.flow.favor.ball_cut import cover_cell, fits, scratch
 from flowgmo.flow.favor.body_cells import NOWHERE, cover_parts, load_cell
 from flowgmo.flow.favor.body_cut import NODES, cover_by_one
 from flowgmo.flow.favor.body_fold import BEYOND, CUT, MOST_PIECES, SOLID, WITHIN, Fold, choose_pieces
@@ -152,7 +152,7 @@ def cut_body(cells, x, y, z, planes, rounds, balls, side, roles, least, rows, at
         np.empty(1 << MOST_PIECES, np.bool_), np.zeros((sheets + 1, NODES)),
         np.empty((2, MOST, 3)), np.empty((8, 8)), np.empty(7), np.empty(7),
     )  # fmt: skip
-    ball = Ball(np.empty((3, 2)), np.empty(8, np.bool_), np.empty((3, 2)), np.empty((3, 2), np.bool_), np.empty((3, 2)))
+    ball = scratch()
     sheet = np.empty(sheets, np.int64)
     every = np.arange(pieces)[::-1].copy()
     chosen = np.empty(pieces, np.int64)

@@ -38,7 +38,7 @@ import numpy as np
 
 from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Grid
-from flowgmo.flow.immersed.waterline import waterline
+from flowgmo.flow.immersed.waterline import Surface, waterline
 
 
 class BodyFluxes(NamedTuple):
@@ -61,13 +61,14 @@ def body_fluxes(
     centres: list[np.ndarray],
     place: np.ndarray,
     middle: np.ndarray | None = None,
-    surface: tuple[np.ndarray, np.ndarray] | None = None,
+    surface: Surface | None = None,
+    ball: np.ndarray | None = None,
 ) -> BodyFluxes:
     """The fluxes of a body: mean shares of its cells (m, 3), covered (m,) of their volumes now; place (3,) [length]: B.
 
     centres: of cells, (n + 4,) for each direction; middle (3,): of a ball, from B to its centre; (2, 3) of a body of
     revolution, from B to a point of its axis, and its direction; None of other bodies;
-    surface: F (mesh) and gravity (3,), None where nothing is void.
+    surface: None where nothing is void; ball (7,): of a body that is one, where it is now (body_cover.py).
     """
     at = shares.cells
     shape = tuple(len(c) for c in centres)
@@ -80,7 +81,7 @@ def body_fluxes(
     if middle is not None and axis is None:
         r[:] = middle
     cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
-    edge = None if surface is None else waterline(cells, at, shares.faces, covered, *surface, grid)
+    edge = None if surface is None else waterline(at, shares.faces, covered, surface, grid, centres, ball)
     return BodyFluxes(cells, np.hstack([a, off_axis(a, cross(r, a), axis)]), np.hstack([lift, r]), edge, axis)
 
 

@@ -36,10 +36,11 @@ from flowgmo.flow.immersed.crossings import mend_crossings
 from flowgmo.flow.immersed.fresh import mean_around
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.immersed.moving_walls import spin_resistance, wall_faces
-from flowgmo.flow.immersed.narrow_faces import NARROW, NarrowFaces
+from flowgmo.flow.immersed.narrow_faces import NARROW, NarrowFaces, reach_slits
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.torn import Around, torn
 from flowgmo.flow.immersed.volume_change import VolumeChange
+from flowgmo.flow.immersed.waterline import Surface
 from flowgmo.flow.pressure.face_flows import PUSH
 from flowgmo.flow.team import Team
 from flowgmo.kernel import kernel
@@ -143,12 +144,17 @@ class Immersed:
         self._find_faces(flow, places, velocities)
         self.hold(flow.velocity)
         self.fluxes: list[BodyFluxes] = []
-        for shares, covered, place, centre in zip(self.shares, swept.covered, places, centres, strict=True):
-            surface = None if flow.F is None else (flow.F, self.gravity)
-            mine = self.narrow.shares_of(shares)
-            self.fluxes.append(body_fluxes(mine, covered, self.grid, self.centres, place, centre, surface))
+        surface = self.surface(flow)
+        each = self.shares, swept.covered, places, centres, self.covers.covers
+        for shares, covered, place, centre, cover in zip(*each, strict=True):
+            mine, mesh = self.narrow.shares_of(shares), (self.grid, self.centres)
+            self.fluxes.append(body_fluxes(mine, covered, *mesh, place, centre, surface, cover.ball))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
+
+    def surface(self, flow: Flow) -> Surface | None:
+        """Of the liquid as it is now, among what is open now; None where nothing is void."""
+        return None if flow.F is None else Surface(flow.F, self.gravity, self.covers.open)
 
     def _renew_at_mean(self) -> None:
         """Sort faces anew with the mean of the open volumes, as the areas are means: what is open of a cell must not
@@ -249,7 +255,7 @@ class Immersed:
             around, weight = mean_around(u, before, at, open_or_not=True)
             u.reshape(-1)[faces[opens]] = np.where(weight > 0.0, around, speed[opens])
             shut = np.flatnonzero(mean <= NARROW)
-            self.held.append((faces[shut], speed[shut], mean[shut] > 0.0))
+            self.held.append((faces[shut], speed[shut], (mean[shut] > 0.0).astype(float)))
 
     def _covered_faces(self, d: int, places: np.ndarray, velocities: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the faces along d that bodies cover (wholly or in part), and the bodies' velocity there."""
@@ -262,10 +268,18 @@ class Immersed:
 
     def hold(self, velocity: Sequence[np.ndarray | None], pull: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Closed and narrow faces have the velocity of the body that covers them; narrow ones also what gravity adds,
-        pull [length/time], for without it water at rest would rise in gaps."""
+        pull [length/time], for without it water at rest would rise in gaps (less at the surface, `reach_slits`)."""
         for u, held, g in zip(velocity, self.held, pull, strict=True):
             if u is not None:
                 u.reshape(-1)[held[0]] = held[1] + g * held[2]
+
+    def reach_slits(self, wet: np.ndarray, b: tuple) -> None:
+        """The pressure's coefficients b [length] of narrow faces at the present surface, and what gravity gives to them
+        (narrow_faces.py); once in a step, after `begin`. wet (mesh): not 0 in liquid cells."""
+        for d, held in enumerate(self.held):
+            if held is not None:
+                narrow = np.flatnonzero(held[2])
+                held[2][narrow] = reach_slits(held[0][narrow], d, wet, b[d], self.grid)
 
     def friction(
         self, momentum: Momentum, mu: float, F: np.ndarray | None, places: np.ndarray, U0: np.ndarray, W: np.ndarray,

@@ -8,6 +8,17 @@ body, since friction would stop it at once.
 A uniform stream that moves with a ball brings up to a hundredth of a face too much through them, which the pressure
 answers with velocity: most of what a ball drifts by in decks/stream. Carried and asked for by what is open instead, it
 drifts by a tenth of that; but then impacts book other energies than are lost, and light shells jump.
+
+**At the surface.** Between a liquid cell and one that is not, the pressure ends at the surface
+(surface_distance.py), at the share theta of the distance h of their centres. With the surface before the slit, in the
+half of the liquid cell, nothing liquid passes the slit yet; what comes fills the void up to it, which is wider. As a
+flow through the slit it meets hardly any inertia, A theta h, and so small an area does not relieve the pressure:
+
+    u = q / (theta h)       39 m/s by the impulse of a ball that hits the bed, 3 without (hard/wet_thrown, theta .034)
+
+which is nobody's momentum, and gone a step later, but bounds that step, and is in the books of energy as that of half
+the cells beside it. Such a face counts as if the surface lay in the slit, u = q / (theta' h) with theta' h half a
+liquid cell, and gravity gives it theta / theta' of what it gives others: so water stays at rest, with q = g dt theta h.
 """
 
 from __future__ import annotations
@@ -16,7 +27,7 @@ import numpy as np
 
 from flowgmo.flow.favor.covered_cells import united
 from flowgmo.flow.favor.shares import Shares
-from flowgmo.flow.fields import Open
+from flowgmo.flow.fields import Grid, Open
 from flowgmo.kernel import kernel
 
 NARROW = 0.01  # of a face
@@ -63,3 +74,24 @@ class NarrowFaces:
             for upper in (0, 1):
                 narrow(numbers - (1 - upper) * self._step(d), faces, factors, 2 * d + upper, out)
         return shares._replace(faces=out)
+
+
+def reach_slits(faces: np.ndarray, d: int, wet: np.ndarray, b: np.ndarray, grid: Grid) -> np.ndarray:
+    """b (mesh) [length] of the pressure's matrix on faces (n,), flat index, open by NARROW at most, at the surface:
+    no more than with the surface in the slit. Returns theta / theta' (n,) of above, 1 on the others.
+
+    d: direction of the faces; wet (mesh): not 0 in liquid cells.
+    """
+    out, along, liquid = np.ones(len(faces)), wet.strides[d] // wet.itemsize, wet.reshape(-1)
+    beyond = liquid[faces + along] != 0
+    at = np.flatnonzero((liquid[faces] != 0) != beyond)
+    if not len(at):
+        return out
+    faces, beyond, flat = faces[at], beyond[at], b.reshape(-1)
+    cells = np.unravel_index(faces + along * beyond, wet.shape)  # the liquid ones
+    widths = [w[k] for w, k in zip(grid[:3], cells, strict=True)]
+    most = NARROW * np.prod([w for e, w in enumerate(widths) if e != d], axis=0) / (0.5 * widths[d])
+    before = flat[faces]
+    flat[faces] = np.minimum(before, most)
+    out[at] = np.divide(flat[faces], before, out=np.ones(len(at)), where=before > 0.0)
+    return out

@@ -24,6 +24,7 @@ from flowgmo.flow.favor.body_cover import BodyCover
 from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, weight_of_displaced
+from flowgmo.flow.immersed.waterline import Surface
 from flowgmo.kernel import kernel
 
 
@@ -60,12 +61,13 @@ def resting_fluxes(
     grid: Grid,
     centres: list[np.ndarray],
     place: np.ndarray,
-    surface: tuple[np.ndarray, np.ndarray] | None = None,
+    surface: Surface | None = None,
     middle: np.ndarray | None = None,
 ) -> BodyFluxes:
     """The fluxes of a body that stays where it is, B at place (3,); surface, middle: as in body_fluxes."""
     cells = np.column_stack(np.unravel_index(cover.numbers, [len(c) for c in centres])).astype(np.int32)
-    return body_fluxes(Shares(cells, cover.shares[:, :6]), cover.shares[:, 6], grid, centres, place, middle, surface)
+    faces, covered = cover.shares[:, :6], cover.shares[:, 6]
+    return body_fluxes(Shares(cells, faces), covered, grid, centres, place, middle, surface, cover.ball)
 
 
 def wetted_area(cover: BodyCover, flow: Flow, V: np.ndarray, grid: Grid) -> float:
