@@ -68,7 +68,7 @@ SCENES = {
     "bubbles": (0.1, 0.1, FAST),  # .04, .04 to .06, 3
     "feather": (0.1, 0.2, 20.0),  # 7 places a hair to .001 m apart: 0 to .03, .08 to .10, 3 to 9; 1.1 and 300 m/s where
     # nothing but its own inertia, 1e-6 of the water's, held it along the surface
-    "gate": (0.1, 0.1, FAST),  # .02 to .05, .01 to .07, 5 to 7; .29 where impacts are paid for in the next step
+    "gate": (0.1, 0.1, FAST),  # .02 to .10, .01 to .05, 5 to 15; .29 where impacts are paid for in the next step
     "hit": (0.06, 0.1, FAST),  # .022, .03 to .04, 2 to 5; .23 likewise
     "hollow": (0.06, 0.15, FAST),  # .03, .08, 6 to 7
     "one_cell": (0.0, 0.0, 0.0),  # nothing moves
@@ -94,7 +94,7 @@ RELEASED = {
     "0.001": (0.2, 0.1, FAST),  # .04 to .11 with five g a hair apart, .05, 4 to 8
     "0.01": (0.2, 0.1, FAST),  # .02, .05, 4
     # with balls cut by chords .08 overfull; rises to .11 where impacts meet what the liquid does not fit
-    "0.1": (0.15, 0.13, FAST),  # .01 to .06, .118, 4 to 7
+    "0.1": (0.15, 0.13, FAST),  # .01 to .06, .053 (.118 where one cell gets all), 4 to 7
     "0.5": (0.02, 0.12, FAST),  # .004, .07, 2
     "0.9": (0.15, 0.03, FAST),  # .10, .02, .6: of a kinetic energy of 1e-4 of the potential one
     "1.1": (0.3, 0.03, FAST),  # .14 to .18, .015, .6 to .9, likewise

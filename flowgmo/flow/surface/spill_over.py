@@ -5,9 +5,11 @@ A u dt may exceed the little open volume V of such a cell, so that V F ends abov
     to neighbour n   weight A_n (face area) V_n (V - V F)_n  what is too much goes where there is room
     from neighbour n weight A_n (face area) (V F)_n          what is missing comes from where there is liquid
 
-Where all are full the weight is A V2: a share of a larger cell is less overfull than all of a small one. The volume
-given is the volume taken, to round-off: a donor leaves its excess over the sum of weights in `rate`, and each
-receiver takes rate times its own weight, so that a kernel writes to its own column only.
+A neighbour that is offered more than its room takes the same share of every offer, and what it leaves goes by A V2,
+room or not: a share of a larger cell is less overfull than all of a small one. (Five that gave all they had to the only
+neighbour with room filled a cell of .07 behind a rising ball to 2.4 of what it holds, hard/wet_released.) The volume
+given is the volume taken, to round-off: a donor leaves its excess over the sum of weights in `rate`, a receiver what it
+takes of offers in `share`, there the donor what was left to it; so that a kernel writes to its own column only.
 """
 
 from __future__ import annotations
@@ -17,8 +19,6 @@ import numpy as np
 from flowgmo.flow.fields import G
 from flowgmo.flow.surface.plic import EMPTY
 from flowgmo.kernel import flow_kernel, inner
-
-ANYWAY = 1e-6  # [-] weight of a full neighbour beside that of an empty one: only where nobody has room does it count
 
 
 @inner
@@ -30,14 +30,16 @@ def _excess(V, liquid):
 
 
 @inner
-def _appetite(V, liquid, much):
-    """Weight per area of a receiver: room for too much, liquid against too little.
+def _appetite(V, liquid, much, rest):
+    """Weight per area of a receiver: room for too much, liquid against too little; rest: what finds no room.
 
     Room counts by the cell's own volume, so that where it is short, a cell that is hardly open is not filled a
     thousandfold; a cell that closes takes nothing, whatever it lacks itself.
     """
+    if rest:
+        return V * V
     if much:
-        return V * (max(V - max(liquid, 0.0), 0.0) + ANYWAY * V)
+        return V * max(V - max(liquid, 0.0), 0.0)
     return max(liquid, 0.0) if V > 0.0 else 0.0  # a cell that closes gives all it has already
 
 
@@ -70,10 +72,11 @@ def _open_area(n, i, j, k, opened, grid):
 
 
 @flow_kernel
-def find_excess(columns, first, last, liquid, V, opened, grid, rate):
+def find_excess(columns, first, last, rest, liquid, V, opened, grid, rate):
     """rate [length] = excess volume / sum of (weight, area) over the open faces of each cut cell, 0 elsewhere.
 
-    liquid V F [-], V at the end of the step, opened with the areas that carried the liquid.
+    liquid V F [-], V at the end of the step, opened with the areas that carried the liquid. rest: it is what found no
+    room, and goes by A V2.
     """
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
@@ -82,22 +85,75 @@ def find_excess(columns, first, last, liquid, V, opened, grid, rate):
             if V[i, j, k] >= 1.0:
                 continue
             excess = _excess(V[i, j, k], liquid[i, j, k])
-            if excess == 0.0:
+            if excess == 0.0 or (rest and excess < 0.0):
                 continue
             total = 0.0
             for n in range(6):
                 a, b, e = _neighbour(n, i, j, k)
-                total += _open_area(n, i, j, k, opened, grid) * _appetite(V[a, b, e], liquid[a, b, e], excess > 0.0)
+                want = _appetite(V[a, b, e], liquid[a, b, e], excess > 0.0, rest)
+                total += _open_area(n, i, j, k, opened, grid) * want
             if total > 0.0:
                 rate[i, j, k] = excess * (grid.dx[i] * grid.dy[j] * grid.dz[k]) / total
 
 
 @flow_kernel
-def settle(columns, first, last, F, V, opened, grid, rate, books):
+def find_shares(columns, first, last, V, opened, grid, rate, share):
+    """share [-]: of the offers that cells beside those with rate > 0 have room for, 1 at most."""
+    for c in range(first, last):
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        for k in range(k0, k1):
+            offered = 0.0  # [length3] for each of room
+            for n in range(6):
+                a, b, e = _neighbour(n, i, j, k)
+                if rate[a, b, e] > 0.0:
+                    offered += rate[a, b, e] * _open_area(n, i, j, k, opened, grid) * V[i, j, k]
+            volume = grid.dx[i] * grid.dy[j] * grid.dz[k]
+            share[i, j, k] = volume / offered if offered > volume else 1.0
+
+
+@flow_kernel
+def find_left(columns, first, last, liquid, V, opened, grid, rate, share, left):
+    """share [-] of cells that hold too much: what their neighbours have no room for, of a cell. left (columns,): the
+    largest of these."""
+    for c in range(first, last):
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        left[c] = 0.0
+        for k in range(k0, k1):
+            excess = _excess(V[i, j, k], liquid[i, j, k]) if V[i, j, k] < 1.0 else 0.0
+            if excess > 0.0:
+                kept = 0.0 if rate[i, j, k] > 0.0 else excess
+                for n in range(6):
+                    a, b, e = _neighbour(n, i, j, k)
+                    offered = _open_area(n, i, j, k, opened, grid) * _appetite(V[a, b, e], liquid[a, b, e], True, False)
+                    if offered > 0.0:
+                        offered *= rate[i, j, k] / (grid.dx[i] * grid.dy[j] * grid.dz[k])
+                        kept += offered * (1.0 - share[a, b, e])
+                share[i, j, k] = kept
+                left[c] = max(left[c], kept)
+
+
+@inner
+def _gained(rate, share, liquid, size, opened, grid, rest, i, j, k):
+    """What a cell (i, j, k) with V = size and V F = liquid gets from its neighbours, in shares of it."""
+    total = 0.0
+    for n in range(6):
+        a, b, e = _neighbour(n, i, j, k)
+        r = rate[a, b, e]
+        if r != 0.0:
+            want = _appetite(size, liquid, r > 0.0, rest)
+            if want > 0.0:
+                taken = share[i, j, k] if r > 0.0 and not rest else 1.0
+                total += taken * r * _open_area(n, i, j, k, opened, grid) * want
+    return total / (grid.dx[i] * grid.dy[j] * grid.dz[k])
+
+
+@flow_kernel
+def settle(columns, first, last, rest, more, F, V, opened, grid, rate, share, books):
     """Hand over the excess, turn V F into F again (with solids: F holds V F before), and note the extremes.
 
-    V at the end of the step, None without solids. books (columns, 3): largest V F - V, least V F [-], and liquid
-    [length^3] of closed cells that found no open neighbour and is lost.
+    V at the end of the step, None without solids; rest as of find_excess; more: F stays V F, the rest comes next. books
+    (columns, 3): largest V F - V, least V F [-], and liquid [length^3] of closed cells that found no open neighbour and
+    is lost.
     """
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
@@ -108,16 +164,16 @@ def settle(columns, first, last, F, V, opened, grid, rate, books):
                 now = liquid
                 if rate[i, j, k] != 0.0:
                     now = size if liquid > 0.0 else 0.0
-                for n in range(6):
-                    a, b, e = _neighbour(n, i, j, k)
-                    r = rate[a, b, e]
-                    if r != 0.0:
-                        weight = _open_area(n, i, j, k, opened, grid) * _appetite(size, liquid, r > 0.0)
-                        now += r * weight / (grid.dx[i] * grid.dy[j] * grid.dz[k])
+                    if liquid > 0.0 and not rest:
+                        now += share[i, j, k]
+                now += _gained(rate, share, liquid, size, opened, grid, rest, i, j, k)
                 over, under = max(over, now - size), min(under, now)
                 if size <= 0.0:
                     lost += now * (grid.dx[i] * grid.dy[j] * grid.dz[k])
-                F[i, j, k] = now / size if size > 0.0 else 0.0
+                if more:
+                    F[i, j, k] = now
+                else:
+                    F[i, j, k] = now / size if size > 0.0 else 0.0
             else:
                 over, under = max(over, F[i, j, k] - 1.0), min(under, F[i, j, k])
         books[c, 0], books[c, 1], books[c, 2] = over, under, lost

@@ -34,7 +34,7 @@ from flowgmo.flow.immersed.volume_change import VolumeChange
 from flowgmo.flow.surface.carriers import Carrier, Way
 from flowgmo.flow.surface.liquid_flux import plic_flux
 from flowgmo.flow.surface.liquid_sweep import FIRST, LAST, sweep, through_sides, wet_columns
-from flowgmo.flow.surface.spill_over import find_excess, settle
+from flowgmo.flow.surface.spill_over import find_excess, find_left, find_shares, settle
 from flowgmo.flow.surface.surface_normals import Steps, steps_of
 from flowgmo.flow.team import Team
 
@@ -47,10 +47,11 @@ ORDERS = {
 
 @dataclass
 class Tracking:
-    """What the liquid's motion needs besides Flow: 9 bytes per cell.
+    """What the liquid's motion needs besides Flow: 9 bytes per cell, 17 with solids.
 
     carry: kernel that fills flux, `liquid_flux.plic_flux` or `donor_acceptor.donor_acceptor_flux`. flux [length]:
-    A u dt times the liquid's share, of one direction at a time, located like u. heavy int8: c above.
+    A u dt times the liquid's share, of one direction at a time, located like u. heavy int8: c above. share [-]: of
+    spill_over.py.
     """
 
     grid: Grid
@@ -59,6 +60,7 @@ class Tracking:
     carry: Callable
     flux: np.ndarray
     heavy: np.ndarray
+    share: np.ndarray
     bounds: np.ndarray  # (n, n, 2) int32: scratch of `widen`
 
 
@@ -81,7 +83,8 @@ def tracking_of(grid: Grid, carry: Callable = plic_flux) -> Tracking:
     even = np.ones(shape[2])
     ways = Way(0, 1.0 / grid.dx, even), Way(1, 1.0 / grid.dy, even), Way(2, np.ones(1), 1.0 / grid.dz)
     bounds = np.zeros((*shape[:2], 2), np.int32)
-    return Tracking(grid, steps_of(grid), ways, carry, np.zeros(shape), np.zeros(shape, np.int8), bounds)
+    flux, heavy, share = np.zeros(shape), np.zeros(shape, np.int8), np.zeros(shape)
+    return Tracking(grid, steps_of(grid), ways, carry, flux, heavy, share, bounds)
 
 
 def move_liquid(
@@ -162,10 +165,18 @@ def _settle(
     opened: Open,
 ) -> tuple[float, float, float]:
     """(over, under, lost) once the excess of cut cells has gone to their neighbours; V F has become F."""
-    V, reached = opened.V, wet
+    V, reached, more = opened.V, wet, False
+    cells, rate, share = (F, V, opened, tracking.grid), tracking.flux, tracking.share
     if V is not None:
         reached = around  # what came as far as the border of wet, and finds no room there, goes one cell beyond it
-        team.run(find_excess, widen(around, 1, F.shape, tracking.bounds), F, V, opened, tracking.grid, tracking.flux)
+        donors, left = widen(around, 1, F.shape, tracking.bounds), np.empty(len(around))
+        team.run(find_excess, donors, False, *cells, rate)
+        team.run(find_shares, around, *cells[1:], rate, share)
+        team.run(find_left, around, *cells, rate, share, left)
+        more = bool(left.any())
     books = np.empty((len(reached), 3))
-    team.run(settle, reached, F, V, opened, tracking.grid, tracking.flux, books)
+    team.run(settle, reached, False, more, *cells, rate, share, books)
+    if more:
+        team.run(find_excess, donors, True, *cells, rate)
+        team.run(settle, reached, True, False, *cells, rate, share, books)
     return float(books[:, 0].max()), float(books[:, 1].min()), float(books[:, 2].sum())
