@@ -39,8 +39,8 @@ def test_wavemaker(runs, deck):
 
 @pytest.mark.parametrize(("con", "bound"), [(0.45, 0.03), (0.1, 1e-3)])
 def test_cells_stay_full_behind_a_sphere(runs, con, bound):
-    # Measured: 1.8e-3 and 4.3e-4 (see the page); ten steps after it stands 9e-6 (.45), 6e-5 before
-    # where cells gave all to one. VALIDATION E: .03, 1e-3, gone soon. By planes in cut cells alone .013 crossed.
+    # Measured: 1.8e-3 and 4.3e-4 (see the page); ten steps after it stands 9e-6 (.45), 6e-5 where cells gave all they
+    # had to one. VALIDATION E: .03, 1e-3, gone a few steps later. By planes in cut cells alone .013 crossed a face.
     found = script(runs, "swept", "every_step").look("full", con)
     assert found.off.max() <= bound
     stands = int(np.argmax(found.after > 0.401))
