@@ -62,7 +62,7 @@ FRCMOB | real | | 0.0 | - | >= 0 | M T D3 | Coulomb friction of every body witho
 ITB | int | | 0 | - | 0 1 | M D1-4 | 1 there is a free surface, 0 all open space is full of liquid
 IFVISC | int | | 0 | - | 0 1 | M D1-4 | 1 the liquid is viscous
 IWSH | int | | 1 | - | 0 1 | M | 1 viscous liquid sticks to walls and bodies
-IPDIS | int | | 0 | - | 0 1 | M D1 D3 | 1 starts with the pressure of liquid at rest; so do viscous liquids that are given none
+IPDIS | int | | 0 | - | 0 1 | M D1 D3 | 1 starts with the pressure of liquid at rest; viscous liquids do so without
 IMPMOB | int | | 1 | - | 0 1 | M | coupled bodies and liquid: 1 solved together, 0 one after the other, for comparison
 = accepted
 IMPSFT IMPHTC | int | | 0 | - | | M D2-4 | implicit surface tension, implicit heat conduction
