@@ -8,11 +8,12 @@ at the velocity V- that it meets, which becomes V+ = V- + (M + A)^-1 J, and book
 
 U - V- is what the load of the rest of the step makes of a velocity. The liquid has paid for it, or was paid, as if the
 body had not been hit: energy that nobody gave. Where a step ends right behind its impact (wet_impacts.AFTER) nearly
-nothing of the load is left. But a step is cut to wet_impacts.LEAST of itself at once, and short ones are not cut again,
-so that in these the impact is anywhere. And in so short a time pressure is no force: it is what surface and walls that
-are elsewhere make of the velocities at once (ball of a tenth of the water's density near a lid: 1.52 -> 1.26 m/s in
-4e-5 s). So a body goes through a short step with U, as bodies do that nothing can hit; an impact meets that, and what
-it books is what bodies and liquid lose.
+nothing of the load is left: 2e-3 of what is booked. A step is cut to wet_impacts.LEAST of itself at once, though, and
+short ones are not cut again, so that in these the impact is anywhere. And in so short a time pressure is no force: it
+is what surface and walls that are elsewhere make of the velocities at once (ball of a tenth of the water's density
+near a lid: 1.52 -> 1.26 m/s in 4e-5 s). So a body goes with U through a short step, and through one of any length
+that was cut to end with an impact, as bodies do that nothing can hit; an impact meets that, and what it books is what
+bodies and liquid lose.
 
 Bodies that others hold need the load as a force, to be pressed by it, and keep it; so do those of which something is
 prescribed.

@@ -9,6 +9,11 @@ takes A dU of it: at the end of the step, when bodies and liquid have moved, one
 makes the liquid fit the velocities that the impacts have left. Of a body that is alone q brings back M^-1 A dU, so that
 it goes on with U+; bodies near it are pushed away. So the next step starts without a jump: its pressure is that of its
 own forces, however short it is.
+
+Rows J, areas and b are those of the step's pressure, widened faces included (flow/immersed/narrow_faces.py), and what
+flows besides, by the growth of the cells or through slits, is the same before and after. So with K of that
+file an impact takes K(u, U) - K(u+, U+) = - (U + U+) . (M + A) (U+ - U) / 2, what its law books where it meets U
+(wet_blows.py), and what pockets that it shuts take.
 """
 
 from __future__ import annotations
@@ -42,6 +47,7 @@ class WetImpacts:
 
     def __init__(self, bodies: WetBodies) -> None:
         self.bodies = bodies
+        self.cut = np.nan  # [time] begin of the last step that was cut to end with an impact
         self.begin()
 
     def begin(self) -> None:
@@ -77,6 +83,7 @@ class WetImpacts:
             most = min(approach, sum(speeds[of.place[b]] for b in bodies))
             share = max(AFTER * (hit - state.t) / dt, LEAST)
             if 2.0 * most * (t1 - hit) / of.ways.cell > ASTRAY and share < CLOSE:
+                self.cut = state.t
                 raise StepTooLong(f"body {of.names[of.place[bodies[0]]]} will be hit in the step", share)
 
     def check_ways(
@@ -102,6 +109,7 @@ class WetImpacts:
             share = max(AFTER * (hit - t0) / dt, LEAST)
             if share < CLOSE or off > FAR:
                 text = f"contacts lead body {of.names[k]} {off:.3g} of a cell away from its way"
+                self.cut = t0 if share < CLOSE else self.cut
                 raise StepTooLong(text, share if share < CLOSE else None)
 
     def settle(self, flow: object, motion: np.ndarray, owed: np.ndarray) -> None:

@@ -146,7 +146,7 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
             TOLERANCE * plan.pressure.tolerance,
             plan.pressure.most_iterations,
             flow.p_before,
-            None if liquid.immersed is None else liquid.immersed.source,
+            liquid.immersed,
             couple,
         )
     except PressedTogether as error:
@@ -197,7 +197,11 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
     moved = Flow(*liquid.predicted, liquid.p, liquid.F, dt)
     change = liquid.immersed.change if liquid.immersed is not None else None
     fill_ghosts = liquid.sides.fill_fraction
+    if liquid.immersed is not None:
+        liquid.immersed.narrow.lean(liquid.predicted, 1.0)
     found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change)
+    if liquid.immersed is not None:
+        liquid.immersed.narrow.lean(liquid.predicted, -1.0)
     longer = liquid.plan.steps.courant > MOST_COURANT and liquid.courant > MOST_ALONG and change is None
     if longer and max(found.over, -found.under) > MISSED:
         over, under = _extremes(flow.F, liquid.openings.V)

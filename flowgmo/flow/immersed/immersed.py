@@ -136,6 +136,7 @@ class Immersed:
         self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
         self.closed = flow.F is None and (self.solved & self.no_exit | inside)
         self.narrow = NarrowFaces(self.open, self._numbers(self.cells))
+        self.let_by = self.narrow.let_by(self.shares, self.grid, self.centres, places, velocities, centres)
         self.driven_by = self._find_driven(places, velocities)
         self._uncover_cells(flow, dt)
         self.beyond = np.zeros(len(swept.V0))
@@ -326,7 +327,7 @@ class Immersed:
         """
         into, rows = right.reshape(-1), self._numbers(self.cells)
         solved = diagonal.reshape(-1)[rows] != 0.0
-        growth = self.growth if self.pushed is None else dt * self.pushed
+        growth = self.growth - dt * self.let_by if self.pushed is None else dt * self.pushed
         growth = np.where(solved, growth, 0.0)
         if self.shut_in:
             growth = closed_sum(growth)
@@ -337,6 +338,17 @@ class Immersed:
             volumes = np.prod([d[k] for d, k in zip(self.grid[:3], cells, strict=True)], axis=0)
             lacking = self.short.lack * self.covers.open.V.reshape(-1)[at] * volumes
             into[at] -= np.where(diagonal.reshape(-1)[at] != 0.0, PUSH * lacking / ease, 0.0)
+
+    def opened(self, cells: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
+        """See projection.Opening: of cells (n, 3), V0 (n,) and what `source` asks those for that grow (n,)."""
+        V0, grown = self.covers.open.V[tuple(cells.T)], np.zeros(len(cells))
+        own = self._numbers(self.cells)
+        if not (len(cells) and len(own)):
+            return V0, grown
+        wanted = self._numbers(cells)
+        at = np.minimum(np.searchsorted(own, wanted), len(own) - 1)
+        asked = self.growth / dt - self.let_by
+        return V0, np.where(own[at] == wanted, np.maximum(asked[at], 0.0), 0.0)
 
     # ---- the liquid
 

@@ -1,13 +1,29 @@
-"""Faces beside bodies that are hardly open, widened for the pressure.
+"""Faces beside bodies that are hardly open: widened for the pressure, and passed as they are.
 
-Open faces are open by NARROW at least: gaps between a body and what it rests on. In a gap of a millionth of a cell the
-pressure would be what the solver's tolerance leaves, divided by the gap: jets, and blows on the body. So wide, the
-pressure around the body reaches it. What flows there is the pressure's alone: before it acts the liquid moves with the
-body, since friction would stop it at once.
+Open faces are open by NARROW at least, A' in place of A: gaps between a body and what it rests on. In a gap of a
+millionth of a cell the pressure would be what the solver's tolerance leaves, divided by the gap: jets, and blows on the
+body. So wide, the pressure around the body reaches it. What flows there is the pressure's alone: before it acts the
+liquid moves with the body, since friction would stop it at once.
 
-A uniform stream that moves with a ball brings up to a hundredth of a face too much through them, which the pressure
-answers with velocity: most of what a ball drifts by in decks/stream. Carried and asked for by what is open instead, it
-drifts by a tenth of that; but then impacts book other energies than are lost, and light shells jump.
+Liquid that goes with the body passes by what is open only. With U of the wall there
+
+    asked     sum over faces (A' u) = - (V1 - V0) / dt + sum over faces (A' - A) U . n       (projection)
+    carried   A' u - (A' - A) U                                                              (through each face)
+
+so that a uniform stream fits, and a full cell is full afterwards, exactly. With A' u on both sides a stream that moves
+with a ball would bring up to a hundredth of a face too much, which the pressure answers with velocity: nine tenths of
+what a ball drifted by (decks/stream).
+
+The energy that the pressure keeps does not know of this. With b of the pressure's matrix, A' in it, S areas, and J' the
+body's shares on the widened faces, A' + S' = 1,
+
+    K(u, U) = 1/2 sum over faces rho (A' S u)^2 / b  +  1/2 U M U           A' u + J' U = c      in every cell
+
+c is what A' - A let by: a right-hand side, no part of the rows. A step goes to the (u, U) with this c that is nearest
+in K; since V1 - V0 = dt J U of a wall that is exact, J = J' + (A' - A) n, c is nothing where liquid and wall go
+together, and was - (A' - A) U before: energy from nothing. An impact changes u and U within the step, by
+A' du + J' dU = 0: the same rows, areas and b, the same K, and no c at all (wet_impacts.py). It sees the faces of the
+step; liquid has been carried by then.
 
 **At the surface.** Between a liquid cell and one that is not, the pressure ends at the surface
 (surface_distance.py), at the share theta of the distance h of their centres. With the surface before the slit, in the
@@ -23,11 +39,14 @@ liquid cell, and gravity gives it theta / theta' of what it gives others: so wat
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from flowgmo.flow.favor.covered_cells import united
 from flowgmo.flow.favor.shares import Shares
-from flowgmo.flow.fields import Grid, Open
+from flowgmo.flow.fields import G, Grid, Open
+from flowgmo.flow.immersed.crossings import wall_speeds
 from flowgmo.kernel import kernel
 
 NARROW = 0.01  # of a face
@@ -46,7 +65,7 @@ def narrow(numbers, faces, factors, part, shares):
 
 class NarrowFaces:
     """Of one step, for each direction: faces (m,), numbers of widened ones, ascending; factors (m,) of the bodies'
-    shares."""
+    shares; along, (A' - A) / A' U of the walls there (m,) [length/time]."""
 
     def __init__(self, opened: Open, numbers: np.ndarray) -> None:
         """Widen faces of cells with these numbers (n,), ascending, in `opened`."""
@@ -58,6 +77,7 @@ class NarrowFaces:
             self.faces.append(faces)
             self.factors.append((1.0 - NARROW) / (1.0 - flat[faces]))
             flat[faces] = NARROW
+        self.along = [np.zeros(len(faces)) for faces in self.faces]
 
     def _step(self, d: int) -> int:
         return self.open.V.strides[d] // self.open.V.itemsize
@@ -66,7 +86,7 @@ class NarrowFaces:
         return np.ravel_multi_index(tuple(shares.cells.T.astype(np.int64)), self.open.V.shape)
 
     def shares_of(self, shares: Shares) -> Shares:
-        """A body's shares with A + sum of S = 1 on the widened faces too, so that it gets what the liquid loses."""
+        """A body's shares with A' + sum of S = 1 on the widened faces too, so that it gets what the liquid loses."""
         if not any(len(faces) for faces in self.faces):
             return shares
         out, numbers = shares.faces.copy(), self._numbers(shares)
@@ -74,6 +94,50 @@ class NarrowFaces:
             for upper in (0, 1):
                 narrow(numbers - (1 - upper) * self._step(d), faces, factors, 2 * d + upper, out)
         return shares._replace(faces=out)
+
+    def let_by(
+        self, shares: Sequence[Shares], grid: Grid, centres: Sequence[np.ndarray], places: np.ndarray,
+        velocities: np.ndarray, middles: Sequence[np.ndarray | None],
+    ) -> np.ndarray:  # fmt: skip
+        """(n,) [length3/time]: sum over faces of each cell of (A' - A) U . n area, n outward; none on sides.
+
+        shares, B at places (b, 3) [length], velocities (b, 6) and middles of the bodies, centres of cells: as in
+        body_fluxes.
+        """
+        for one, place, U, middle in zip(shares, places, velocities, middles, strict=True):
+            lost = one.faces - self.shares_of(one).faces
+            some = lost.any(axis=1)
+            if some.any():
+                cells = one.cells[some]
+                r = np.column_stack([x[cells[:, e]] for e, x in enumerate(centres)]) - place
+                self._add(Shares(cells, lost[some]), wall_speeds(r, U, middle))
+        out = np.zeros(len(self.numbers))
+        at = np.unravel_index(self.numbers, self.open.V.shape)
+        for d, (faces, speed) in enumerate(zip(self.faces, self.along, strict=True)):
+            if len(faces):
+                area = grid[(d + 1) % 3][at[(d + 1) % 3]] * grid[(d + 2) % 3][at[(d + 2) % 3]]
+                for face, sign in ((self.numbers, 1.0), (self.numbers - self._step(d), -1.0)):
+                    row = np.minimum(np.searchsorted(faces, face), len(faces) - 1)
+                    out += np.where(faces[row] == face, sign * NARROW * speed[row] * area, 0.0)
+        return out
+
+    def _add(self, lost: Shares, way: np.ndarray) -> None:
+        """Of one body: what its shares of faces lost, and velocities (n, 3) of its wall in their cells."""
+        numbers = self._numbers(lost)
+        for d, faces in enumerate(self.faces):
+            last = self.open.V.shape[d] - G - 1
+            for upper in (0, 1):
+                inside = lost.cells[:, d] != (last if upper else G)
+                hit = np.flatnonzero((lost.faces[:, 2 * d + upper] > 0.0) & inside)
+                row = np.searchsorted(faces, numbers[hit] - (1 - upper) * self._step(d))
+                self.along[d][row] += 0.5 * lost.faces[hit, 2 * d + upper] * way[hit, d] / NARROW  # half of each cell
+
+    def lean(self, velocity: Sequence[np.ndarray | None], sign: float) -> None:
+        """Velocities become those with which liquid is carried through widened faces, sign 1, or again what they were,
+        sign -1."""
+        for u, faces, speed in zip(velocity, self.faces, self.along, strict=True):
+            if u is not None:
+                u.reshape(-1)[faces] -= sign * speed
 
 
 def reach_slits(faces: np.ndarray, d: int, wet: np.ndarray, b: np.ndarray, grid: Grid) -> np.ndarray:

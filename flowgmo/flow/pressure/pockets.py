@@ -5,10 +5,15 @@ reaches the centre, and the cell ends the liquid with q = 0 until it is full, ho
 would be stopped at once in the step after. So, as for lids (lids.py), the flow through the faces that liquid touches
 is bound by the room, and where the bound is reached the void has a pressure:
 
-    in <= R,    q >= 0,    one of them is equal         R = room / dt
+    in - grown <= R,    q >= 0,    one of them is equal         R = room / dt
 
 room: of the cell, and of the halves of its neighbours beside these faces, which has to come in or to be filled first.
 So a cell that is hardly open is a lid on its neighbour.
+
+grown: what a body that moves opens of the cell in a unit of time (immersed.py), 0 where it closes it. The equation asks
+a shut cell for that anyway, so that the room is that before the body moved, (1 - F) V0. With the room of V1 a cell that
+opens from nothing took 1.3 times what it holds once it was shut: cells that were overfull, and jets in the slits behind
+light bodies (hard/wet_shell).
 
 q is the pressure at the surface, where the coefficients b of the faces end (pressure_matrix.py): a shut cell is an
 unknown of the same matrix, with sum b (q - q_neighbour) = in* - R over these faces.
@@ -114,13 +119,13 @@ def _through(A, u, b, q, S, width, F, V, opened, steps, d, i, j, k):
 
 
 @kernel
-def _flows(cells, F, V, opened, steps, grid, u, v, w, bx, by, bz, q, dt, flows):
-    """flows (n, 3): flow in as predicted, flow in, bound R."""
+def _flows(cells, F, V, opened, steps, grid, u, v, w, bx, by, bz, q, dt, V0, grown, flows):
+    """flows (n, 3): flow in as predicted, flow in beyond what the cell grows by, bound R."""
     for n in range(len(cells)):
         i, j, k = np.int64(cells[n, 0]), np.int64(cells[n, 1]), np.int64(cells[n, 2])
         dx, dy, dz = grid.dx[i], grid.dy[j], grid.dz[k]
         volume = dx * dy * dz * V[i, j, k]
-        room = max(1.0 - F[i, j, k], 0.0) * volume
+        room = max(1.0 - F[i, j, k], 0.0) * dx * dy * dz * V0[n]
         x, y, z = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if u is not None:
             x = _through(opened.Ax, u, bx, q, dy * dz, grid.dx, F, V, opened, steps, 0, i, j, k)
@@ -129,20 +134,21 @@ def _flows(cells, F, V, opened, steps, grid, u, v, w, bx, by, bz, q, dt, flows):
         if w is not None:
             z = _through(opened.Az, w, bz, q, dx * dy, grid.dz, F, V, opened, steps, 2, i, j, k)
         flows[n, 0] = x[0] + y[0] + z[0]
-        flows[n, 1] = x[1] + y[1] + z[1]
+        flows[n, 1] = x[1] + y[1] + z[1] - grown[n]
         room += x[2] + y[2] + z[2]
         flows[n, 2] = min(room, max(SHARE * room, THIN * volume)) / dt
 
 
 def pocket_flows(
     cells: np.ndarray, F: np.ndarray, openings: Open, steps: Steps, grid: Grid, velocity: list, b: tuple,
-    q: np.ndarray, dt: float,
+    q: np.ndarray, dt: float, V0: np.ndarray, grown: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
-    """(n, 3) of pockets, cells (n, 3): flow in before and after the pressure, through faces with b > 0, its bound R.
+    """(n, 3) of pockets, cells (n, 3): flow in before and after the pressure, through faces with b > 0, this one beyond
+    what the cells grow by, and its bound R.
 
-    velocity [u, v, w] before the pressure q acts. Flows [length3/time].
+    velocity [u, v, w] before the pressure q acts; V0 (n,) that F is a share of, grown (n,). Flows [length3/time].
     """
     flows = np.zeros((len(cells), 3))
     if len(cells):
-        _flows(cells, F, openings.V, openings, steps, grid, *velocity, *b, q, dt, flows)
+        _flows(cells, F, openings.V, openings, steps, grid, *velocity, *b, q, dt, V0, grown, flows)
     return flows

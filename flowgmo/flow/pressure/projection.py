@@ -64,6 +64,17 @@ class Couple(Protocol):
         again."""
 
 
+class Opening(Protocol):
+    """Bodies that open cells and close them, during one projection."""
+
+    def source(self, diagonal: np.ndarray, dt: float, ease: float, right: np.ndarray) -> None:
+        """What they push out of the cells of the equation (diagonal > 0), from `right`; ease [time]: PUSH of an excess
+        leaves in it."""
+
+    def opened(self, cells: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
+        """Of cells (n, 3): V before they moved (n,), and what they grow by (n,) [length3/time], 0 where they close."""
+
+
 MUCH = 1e200  # [1/time] of a cell: an answer is asked for, whatever a sealed region would not take
 
 
@@ -203,14 +214,14 @@ class Projector:
         tolerance: float,
         most: int,
         before: np.ndarray | None = None,
-        source: Callable[[np.ndarray, float, float, np.ndarray], None] | None = None,
+        bodies: Opening | None = None,
         couple: Couple | None = None,
     ) -> Solved:
         """Change velocity [u, v, w] and p (of the last step, then the result) so that what is above holds.
 
         before: p of the step before the last one, for the first guess. tolerance: largest share of a cell that its
-        faces may miss within dt. `set_surface` was called with this F. source(diagonal, dt, ease, right): what bodies
-        that move push out of cells (immersed.py); couple: those that the pressure moves.
+        faces may miss within dt. `set_surface` was called with this F. bodies: those that move (immersed.py);
+        couple: those that the pressure moves.
         Returns how it went; on failure velocity and p are as they were.
         """
         run, m, voids = self.team.run, self.matrix, self.voids
@@ -221,7 +232,8 @@ class Projector:
         guess = self.beta is not None or not self.sealed.may_be_full(cells_in(m.columns))
         out = voids.outflow(velocity)  # a lid holds its void at the distance of its plane: not eased
         self.ease_gravity(velocity, dt)
-        voids.begin(out, velocity, m.b, F, self.q, self.wet, dt, guess)
+        opened = None if bodies is None else bodies.opened(voids.pockets, dt)
+        voids.begin(out, velocity, m.b, F, self.q, self.wet, dt, guess, opened)
         if before is not None:
             run(foresee, m.faces, p, before, dt / self.rho, self.wet, self.q)
         ease = max(dt, self.ease)
@@ -245,8 +257,8 @@ class Projector:
             free = self._set_matrix(dt, changed)
             run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, ease, self.right)
             voids.enter(self.right)
-            if source is not None:
-                source(m.diagonal, dt, ease, self.right)
+            if bodies is not None:
+                bodies.source(m.diagonal, dt, ease, self.right)
             coupled = () if couple is None else (couple.begin(m.diagonal, self.right),)
             if self.beta is None:
                 self._balance(velocity, F, dt, tolerance)

@@ -69,12 +69,14 @@ class Voids:
         wet: np.ndarray,
         dt: float,
         guess: bool,
+        opened: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> None:
         """Take the predicted velocities, and what goes out of lids by them.
 
-        All voids are open, or, guess, as the first guess q of the pressure has it.
+        All voids are open, or, guess, as the first guess q of the pressure has it. opened: V0 and grown of the pockets
+        (pockets.py), None where nothing moves.
         """
-        self.known = velocity, b, F, dt
+        self.known, self.opened = (velocity, b, F, dt), opened or self._unmoved()
         self.wet, n = wet, len(self.lids.cells)
         own = tuple(self.pockets.T)
         pressed = q[own] * guess
@@ -93,12 +95,17 @@ class Voids:
         """Open the pockets that shut liquid in; `wet` has those that are shut."""
         self.ways_out.open(self.shut_pockets, self.lids.cells[~self.shut_lids], self.wet, self.known[1])
 
+    def _unmoved(self) -> tuple[np.ndarray, np.ndarray]:
+        """V0 and grown of the pockets where no body opens them."""
+        n = len(self.pockets)
+        return self.openings.V[tuple(self.pockets.T)] if n else np.zeros(0), np.zeros(n)
+
     def _look(self, q: np.ndarray) -> None:
         """Flows and bounds (voids,) [length3/time] with the pressure q."""
         velocity, b, F, dt = self.known
         lids, n = self.lids, len(self.lids.cells)
         most = bound(lids, self.grid, self.openings, velocity, b, q, dt)
-        at = pocket_flows(self.pockets, F, self.openings, self.steps, self.grid, velocity, b, q, dt)
+        at = pocket_flows(self.pockets, F, self.openings, self.steps, self.grid, velocity, b, q, dt, *self.opened)
         self.pocket_inflow = at[:, 0]
         self.flow = np.concatenate([self.predicted + lids.conductance * q[lids.at], at[:, 1]])
         self.most = np.concatenate([most, at[:, 2]])
@@ -148,8 +155,9 @@ class Voids:
         return bool((self.shut != before).any())
 
     def wait(self, dt: float) -> None:
-        """From now on bounds are for steps of dt, and flows those of the velocities as they have become."""
-        self.known = *self.known[:-1], dt
+        """From now on bounds are for steps of dt, and flows those of the velocities as they have become; nothing more
+        opens."""
+        self.known, self.opened = (*self.known[:-1], dt), self._unmoved()
 
     def shut_pockets_hit(self, q: np.ndarray, slack: float, right: np.ndarray) -> bool:
         """Shut open pockets that an impulse q drives more into than their bound and `slack` [1/time] of their cell, and

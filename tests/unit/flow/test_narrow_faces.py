@@ -1,4 +1,4 @@
-"""Faces that are hardly open: widened for the pressure."""
+"""Faces that are hardly open: widened for the pressure, passed by what goes with the body as they are."""
 
 import numpy as np
 import pytest
@@ -79,3 +79,32 @@ def test_water_at_rest_in_slits_stays_so(level):
     world, state = play(text, 6)
     pushed = [b > 0.0 for b in world.liquid.projector.matrix.b]  # above the surface what is left in slits falls
     assert max(float(np.abs(u[at]).max()) for u, at in zip(state.fluid.velocity, pushed, strict=True)) <= 1e-9
+
+
+def test_a_stream_that_moves_with_a_ball_passes_by_what_is_open():
+    """Outflow of every cell with the widened faces, less what is let by, and what carries the liquid through each face:
+    those of a uniform stream through the faces as they are, to rounding."""
+    block = graded_block(14)
+    mean, swept = _moved(block)
+    before, grid, U = Open(*(a.copy() for a in mean)), grid_of(block), np.array([1.0, 0.3, -0.2, 0.0, 0.0, 0.0])
+    numbers = np.ravel_multi_index(tuple(swept.cells.T.astype(np.int64)), mean.V.shape)
+    found = NarrowFaces(mean, numbers)
+    assert sum(len(faces) for faces in found.faces) > 10
+    centres = [np.zeros(n) for n in mean.V.shape]
+    let_by = found.let_by(swept.shares, grid, centres, np.zeros((1, 3)), U[None], [np.zeros(3)])
+    velocity = [np.full(mean.V.shape, u) for u in U[:3]]
+    found.lean(velocity, 1.0)
+    out = np.zeros(len(numbers))
+    for d, (A, was, u) in enumerate(zip(mean[1:], before[1:], velocity, strict=True)):
+        narrow = was != A
+        assert (A[narrow] == NARROW).all()
+        np.testing.assert_allclose(A * u, was * U[d], atol=1e-15)
+        at, low = tuple(swept.cells.T), list(swept.cells.T)
+        low[d] = low[d] - 1
+        area = grid[(d + 1) % 3][at[(d + 1) % 3]] * grid[(d + 2) % 3][at[(d + 2) % 3]]
+        out += U[d] * area * ((A - was)[at] - (A - was)[tuple(low)])
+    assert abs(out).max() > 1e-6
+    np.testing.assert_allclose(let_by, out, atol=1e-17)
+    found.lean(velocity, -1.0)
+    for u, exact in zip(velocity, U[:3], strict=True):
+        np.testing.assert_allclose(u, exact, atol=1e-15)
