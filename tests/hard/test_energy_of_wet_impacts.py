@@ -16,13 +16,11 @@ import pytest
 from flowgmo_wet_bodies import begin, hair
 
 from flowgmo.pace import Pace
-from flowgmo.wet_impacts import AFTER, WetImpacts
+from flowgmo.wet_impacts import WetImpacts
 
 RELEASED = Path(__file__).parents[2] / "decks" / "hard" / "wet_released.nml"
 
-# measured 4e-16 where an impact meets U (wet_blows.py); .01 to .55 where it meets what the load has made by then
-EXACT = 1e-9
-BEHIND = AFTER - 1.0  # where a step, not a short one, ends behind it: of its load so much is left. Measured 2e-4
+EXACT = 1e-9  # measured 4e-16; .01 to .55 where an impact meets what the load has made of the velocity until then
 LEFT = (
     0.01  # measured: .03 to .8 more is lost than booked, .006 less where pockets are shut in the impact; up to .3 less
 )
@@ -59,8 +57,7 @@ def test_what_is_booked_is_lost(monkeypatch, density, draw):
         before = moved_by_pressure(world, world.wet_bodies.reached[0, :3])
         law = lost_by_law(world.wet_bodies, self.found, after)
         of(self, flow, motion, owed)
-        met = world.wet_bodies.struck[0]
-        losses.append((law, before - moved_by_pressure(world, motion["v"][0]), EXACT if met else BEHIND))
+        losses.append((law, before - moved_by_pressure(world, motion["v"][0])))
         return None
 
     monkeypatch.setattr(WetImpacts, "settle", settle)
@@ -68,7 +65,7 @@ def test_what_is_booked_is_lost(monkeypatch, density, draw):
     while booked == 0.0 and state.t < world.model.clock.end:
         losses.clear()
         booked = float(pace.advance(world)[0].impacts["energy_loss"].sum())
-    ((law, all_of_it, bound),) = losses
-    assert booked > 0.05  # [J] of 4.1
-    assert abs(law - booked) <= bound * booked
+    ((law, all_of_it),) = losses
+    assert booked > 0.02  # [J] of 4.1; measured .025 and more
+    assert abs(law - booked) <= EXACT * booked
     assert all_of_it >= (1.0 - LEFT) * booked
