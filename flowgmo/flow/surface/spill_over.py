@@ -72,14 +72,15 @@ def _open_area(n, i, j, k, opened, grid):
 
 
 @flow_kernel
-def find_excess(columns, first, last, rest, liquid, V, opened, grid, rate):
+def find_excess(columns, first, last, rest, liquid, V, opened, grid, rate, some):
     """rate [length] = excess volume / sum of (weight, area) over the open faces of each cut cell, 0 elsewhere.
 
     liquid V F [-], V at the end of the step, opened with the areas that carried the liquid. rest: it is what found no
-    room, and goes by A V2.
+    room, and goes by A V2. some (mesh without z) int8: 1 where a column has such a cell, 0 where it has none.
     """
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        some[i, j] = 0
         for k in range(k0, k1):
             rate[i, j, k] = 0.0
             if V[i, j, k] >= 1.0:
@@ -87,6 +88,7 @@ def find_excess(columns, first, last, rest, liquid, V, opened, grid, rate):
             excess = _excess(V[i, j, k], liquid[i, j, k])
             if excess == 0.0 or (rest and excess < 0.0):
                 continue
+            some[i, j] = 1
             total = 0.0
             for n in range(6):
                 a, b, e = _neighbour(n, i, j, k)
@@ -96,11 +98,19 @@ def find_excess(columns, first, last, rest, liquid, V, opened, grid, rate):
                 rate[i, j, k] = excess * (grid.dx[i] * grid.dy[j] * grid.dz[k]) / total
 
 
+@inner
+def _is_near(some, i, j):
+    """Whether a column, or one beside it, has cells with an excess: few columns, and the others need no look at it."""
+    return some[i, j] | some[i - 1, j] | some[i + 1, j] | some[i, j - 1] | some[i, j + 1] != 0
+
+
 @flow_kernel
-def find_shares(columns, first, last, V, opened, grid, rate, share):
+def find_shares(columns, first, last, V, opened, grid, rate, some, share):
     """share [-]: of the offers that cells beside those with rate > 0 have room for, 1 at most."""
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        if not _is_near(some, i, j):
+            continue
         for k in range(k0, k1):
             offered = 0.0  # [length3] for each of room
             for n in range(6):
@@ -112,12 +122,14 @@ def find_shares(columns, first, last, V, opened, grid, rate, share):
 
 
 @flow_kernel
-def find_left(columns, first, last, liquid, V, opened, grid, rate, share, left):
+def find_left(columns, first, last, liquid, V, opened, grid, rate, some, share, left):
     """share [-] of cells that hold too much: what their neighbours have no room for, of a cell. left (columns,): the
     largest of these."""
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
         left[c] = 0.0
+        if some[i, j] == 0:
+            continue
         for k in range(k0, k1):
             excess = _excess(V[i, j, k], liquid[i, j, k]) if V[i, j, k] < 1.0 else 0.0
             if excess > 0.0:
@@ -148,7 +160,7 @@ def _gained(rate, share, liquid, size, opened, grid, rest, i, j, k):
 
 
 @flow_kernel
-def settle(columns, first, last, rest, more, F, V, opened, grid, rate, share, books):
+def settle(columns, first, last, rest, more, F, V, opened, grid, rate, some, share, books):
     """Hand over the excess, turn V F into F again (with solids: F holds V F before), and note the extremes.
 
     V at the end of the step, None without solids; rest as of find_excess; more: F stays V F, the rest comes next. books
@@ -158,15 +170,17 @@ def settle(columns, first, last, rest, more, F, V, opened, grid, rate, share, bo
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
         over, under, lost = 0.0, 0.0, 0.0
+        near = V is not None and _is_near(some, i, j)
         for k in range(k0, k1):
             if V is not None:
                 size, liquid = V[i, j, k], F[i, j, k]
                 now = liquid
-                if rate[i, j, k] != 0.0:
-                    now = size if liquid > 0.0 else 0.0
-                    if liquid > 0.0 and not rest:
-                        now += share[i, j, k]
-                now += _gained(rate, share, liquid, size, opened, grid, rest, i, j, k)
+                if near:
+                    if rate[i, j, k] != 0.0:
+                        now = size if liquid > 0.0 else 0.0
+                        if liquid > 0.0 and not rest:
+                            now += share[i, j, k]
+                    now += _gained(rate, share, liquid, size, opened, grid, rest, i, j, k)
                 over, under = max(over, now - size), min(under, now)
                 if size <= 0.0:
                     lost += now * (grid.dx[i] * grid.dy[j] * grid.dz[k])

@@ -166,17 +166,18 @@ def _settle(
 ) -> tuple[float, float, float]:
     """(over, under, lost) once the excess of cut cells has gone to their neighbours; V F has become F."""
     V, reached, more = opened.V, wet, False
-    cells, rate, share = (F, V, opened, tracking.grid), tracking.flux, tracking.share
+    cells, some = (F, V, opened, tracking.grid), np.zeros(F.shape[:2], np.int8)
+    rates = tracking.flux, some, tracking.share
     if V is not None:
         reached = around  # what came as far as the border of wet, and finds no room there, goes one cell beyond it
         donors, left = widen(around, 1, F.shape, tracking.bounds), np.empty(len(around))
-        team.run(find_excess, donors, False, *cells, rate)
-        team.run(find_shares, around, *cells[1:], rate, share)
-        team.run(find_left, around, *cells, rate, share, left)
+        team.run(find_excess, donors, False, *cells, *rates[:2])
+        team.run(find_shares, around, *cells[1:], *rates)
+        team.run(find_left, around, *cells, *rates, left)
         more = bool(left.any())
     books = np.empty((len(reached), 3))
-    team.run(settle, reached, False, more, *cells, rate, share, books)
+    team.run(settle, reached, False, more, *cells, *rates, books)
     if more:
-        team.run(find_excess, donors, True, *cells, rate)
-        team.run(settle, reached, True, False, *cells, rate, share, books)
+        team.run(find_excess, donors, True, *cells, *rates[:2])
+        team.run(settle, reached, True, False, *cells, *rates, books)
     return float(books[:, 0].max()), float(books[:, 1].min()), float(books[:, 2].sum())
