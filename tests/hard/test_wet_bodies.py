@@ -94,7 +94,7 @@ RELEASED = {
     "0.001": (0.2, 0.1, FAST),  # .04 to .11 with five g a hair apart, .05, 4 to 8
     "0.01": (0.2, 0.1, FAST),  # .02, .05, 4
     # with balls cut by chords .08 overfull; rises to .11 where impacts meet what the liquid does not fit
-    "0.1": (0.15, 0.13, FAST),  # .01 to .06, .053 (.118 where one cell gets all), 4 to 7
+    "0.1": (0.15, 0.1, FAST),  # .01 to .06, .053 (.118 where one cell gets all), 4 to 7
     "0.5": (0.02, 0.12, FAST),  # .004, .07, 2
     "0.9": (0.15, 0.03, FAST),  # .10, .02, .6: of a kinetic energy of 1e-4 of the potential one
     "1.1": (0.3, 0.03, FAST),  # .14 to .18, .015, .6 to .9, likewise
