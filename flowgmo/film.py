@@ -41,9 +41,7 @@ WIDER = 2.0  # times the width of another place: beyond its film, which reaches 
 STEEP = 0.25  # growth of the gap along itself: 14 degrees between the surfaces, which only an edge has at its narrowest
 RISE = 0.125  # of the width: a way on which the gap widens by less leads on to where it is narrower
 WAY = np.arange(1, 8)[:, None, None] / 8.0  # places between two, where the gap is looked at
-AROUND = np.stack(np.meshgrid(*3 * [np.arange(-1, 2)], indexing="ij"), axis=-1).reshape(
-    -1, 3
-)  # a cell and those that touch it
+AROUND = np.indices((3, 3, 3)).reshape(3, -1).T - 1  # a cell and those that touch it
 SLIPPERY = 0.25  # of the force: a film between a wall and a surface on which it slides
 
 
