@@ -21,6 +21,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -143,7 +144,7 @@ def _stages_with_bodies(
         except StepFailed as error:
             raise wet.explained(error) from error
         liquid.immersed.restore_short()
-        wet.finish(liquid.projector.q, room.motion, room.rows)
+        wet.finish(liquid.projector.q, room.motion, room.rows, partial(wet.impacts.meet, world, state, room.motion, t1))
         shear = wet.shear_loads() if wet.friction is not None else None
         wet.records.note(liquid.p, shear, wet.squeezed[wet.movers] if wet.film is not None else None)
 

@@ -9,13 +9,15 @@
 Coupled bodies that the liquid touches move through the step with the velocity of its end, as the liquid does: their
 rows of World.flying have no gravity and no loads. Bodies that it does not touch fly as in a dry scene.
 
-In a scene with collisions the contact engine moves the bodies. What presses a stone on the bed must then be known as a
-load and not as a velocity: there the liquid's load of the step is a constant force and moment, two more laws of each
-body, and contacts that were held take part in the pressure equation (flow/immersed/contact_rows.py).
+In a scene with collisions the contact engine moves the bodies. Those that nothing holds go with the velocity of the
+step's end there too (wet_blows.py). What presses a stone on the bed must be known as a load and not as a velocity: on
+such bodies the liquid's load of the step is a constant force and moment, two more laws of each body, and contacts that
+were held take part in the pressure equation (flow/immersed/contact_rows.py).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -235,14 +237,15 @@ class WetBodies:
         self.rubbed = shear[[self.place[b] for b in self.wet]].reshape(-1, 6)
         self.kicked += self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.rubbed)
         self.contacts = self.contacts_held(state, motion) if self.wet and len(state.held_parts) else None
-        short = self.loaded and (self.dt <= SHORT * self.liquid.projector.ease or self.impacts.cut == t0)
-        self.struck = short & find_struck(self.arrays, self.wet, state.held_parts[:, :2])
+        self.short = self.dt <= SHORT * self.liquid.projector.ease or self.impacts.cut == t0
+        self.struck = self.loaded & find_struck(self.arrays, self.wet, state.held_parts[:, :2])
         self.films = self._films(flow, motion) if self.film is not None and self.wet else None
         self.turns, self.parts = 0, {}
 
     def _films(self, flow: object, motion: np.ndarray) -> StepFilms | None:
         """Thin films beside the bodies, as strong as fits the way they would go with the pressure as it is now."""
-        films = self.film.of_step(flow.F, motion, self.wet, self._of_all(motion), self.dt, mean=self.loaded)
+        mean = self.loaded and not self.struck.all()
+        films = self.film.of_step(flow.F, motion, self.wet, self._of_all(motion), self.dt, mean=mean)
         if films is not None:
             loads = self._loads_by_pressure(flow)[[self.place[b] for b in self.wet]]
             foreseen = self.kicked + self.dt * np.einsum("bij,bj->bi", self.each_inverse, loads)
@@ -313,9 +316,9 @@ class WetBodies:
         """[length/time] that a contact may approach with."""
         return SLACK * float(np.linalg.norm(self.model.gravity)) * self.dt
 
-    def finish(self, q: np.ndarray, motion: np.ndarray, rows: np.ndarray) -> None:
+    def finish(self, q: np.ndarray, motion: np.ndarray, rows: np.ndarray, meet: Callable) -> None:
         """After the pressure q = p dt / rho: velocities of the wet bodies in motion (n,) and rows (k, n) POSE, or the
-        loads with which they move on."""
+        loads with which they move on. meet: WetImpacts.meet of the step."""
         U, loads = np.zeros((0, 6)), np.zeros((0, 6))
         self.squeezed[:] = 0.0
         if self.wet:
@@ -325,15 +328,19 @@ class WetBodies:
             pressed = (self.model.fluid.rho / self.dt) * self.coupling.loads(q).reshape(-1, 6)
             loads = pressed + self.lifts + self.rubbed + self.squeezed[self.wet]
         self.reached = U  # what the liquid's velocities fit
+        if not self.short and self.struck.any():
+            self.struck &= ~meet(U, self.struck)
         self.go_on(U, loads, motion, rows)
 
     def go_on(self, U: np.ndarray, loads: np.ndarray, motion: np.ndarray, rows: np.ndarray) -> None:
         """Velocities U (wet, 6) at the end of the step into motion and rows, or loads (wet, 6) to move on with."""
         if self.loaded:
             self.planned = 0.5 * (U + np.hstack([motion["v"][self.wet], motion["w"][self.wet]]))
-            self.blows = strike(self.arrays, self.wet, self.struck, U, self.dt * self.planned, motion)
+            on_bodies = self._loads_with_control(loads, motion)
+            ways, of = self.dt * self.planned, on_bodies[self.wet]
+            self.blows = strike(self.arrays, self.wet, self.struck, U, of, ways, motion)
             self.planned[self.struck] = U[self.struck]
-            self._load(loads, motion)
+            self._load(on_bodies)
             return
         if motion["hold"][self.wet].any():
             control = np.zeros((len(motion), 6))
@@ -346,11 +353,16 @@ class WetBodies:
             self.flying["first_load"][b] = self.flying["last_load"][b] = 0
             self.flying["force"][b] = self.flying["torque"][b] = -1
 
-    def _load(self, of_liquid: np.ndarray, motion: np.ndarray) -> None:
-        """Give the constant laws of `flying` the loads of this step on B: of control, and of the liquid (wet, 6)."""
+    def _loads_with_control(self, of_liquid: np.ndarray, motion: np.ndarray) -> np.ndarray:
+        """(n, 6): loads of this step on B, of control, and of the liquid (wet, 6)."""
         loads = np.zeros((len(motion), 6))
         control_loads_at(self.coupled, self.arrays, self.laws, motion, self.middle, loads)
         loads[self.wet] += of_liquid
+        return loads
+
+    def _load(self, loads: np.ndarray) -> None:
+        """Give the constant laws of `flying` the loads (n, 6), to bodies that go with the velocities of the end what
+        keeps these."""
         for b, blow in self.blows.items():
             loads[b] = blow.told
         entries, first = self.flying_laws.entries, self.flying_laws.rows["first"]

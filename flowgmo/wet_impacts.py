@@ -38,6 +38,7 @@ ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body
 FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
 AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
 CLOSE = 0.995  # a step that should be this share of itself, or more, ends where it should: else tries had no end
+SOFT = 4.0  # of what a step's load makes of velocities: impacts no faster are its work (wet_blows.py)
 LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
 SHORTEST = 0.05  # of a step that nothing has shortened: shorter ones are not cut again for an impact
 
@@ -85,6 +86,22 @@ class WetImpacts:
             if 2.0 * most * (t1 - hit) / of.ways.cell > ASTRAY and share < CLOSE:
                 self.cut = state.t
                 raise StepTooLong(f"body {of.names[of.place[bodies[0]]]} will be hit in the step", share)
+
+    def meet(
+        self, world: World, state: State, motion: np.ndarray, t1: float, U: np.ndarray, which: np.ndarray
+    ) -> np.ndarray:
+        """(wet,) bool: of the wet bodies, those that meet something before t1, and no faster than the step's load makes
+        them, where `which` (wet,) bool of them go with U (wet, 6) from now, motion (n,) POSE, on."""
+        from flowgmo.collision.stage import meetings
+
+        of, then, wet = self.bodies, motion.copy(), np.array(self.bodies.wet, dtype=np.int64)
+        then["v"][wet[which]], then["w"][wet[which]] = U[which, :3], U[which, 3:]
+        gained = dict(zip(of.movers, of.ways.speeds(then["v"] - motion["v"], then["w"] - motion["w"]), strict=True))
+        soft = np.zeros(len(wet), bool)
+        for _, pairs, approach in meetings(world, state, then, of.coupled, t1):
+            if approach <= SOFT * sum(gained.get(b, 0.0) for b in np.unique(pairs)):
+                soft |= np.isin(wet, pairs)
+        return soft
 
     def check_ways(
         self, before: np.ndarray, after: np.ndarray, impacts: list[np.ndarray], t0: float, t1: float

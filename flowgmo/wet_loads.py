@@ -125,7 +125,7 @@ class WetLoads:
         loads = dict(zip(self.movers.tolist(), self.loads.total, strict=True))
         if self.loads.film is not None:
             for b, film in zip(self.movers, self.loads.film, strict=True):
-                books[LOST_IN_FRICTION] -= film @ (blows[b].way if b in blows else way_of(before[b], after[b]))
+                books[LOST_IN_FRICTION] -= film @ self._way(b, before, after, blows)
         if self.loads.shear is not None:
             self.liquid.friction[0] -= self._work_of_shear(before, after, wet, blows, dt)
         for b in self.driven:
@@ -147,11 +147,17 @@ class WetLoads:
         work = 0.0
         for b, shear in zip(self.movers, self.loads.shear, strict=True):
             if self.pushed or b not in wet:
-                work += float(shear @ (blows[b].way if b in blows else way_of(before[b], after[b])))
+                work += float(shear @ self._way(b, before, after, blows))
             else:  # they go the way of the end's velocity; their motion gains by the mean of both
                 ends = [np.concatenate([one[b]["v"], one[b]["w"]]) for one in (before, after)]
                 work += 0.5 * dt * float(shear @ (ends[0] + ends[1]))
         return work
+
+    @staticmethod
+    def _way(b: int, before: np.ndarray, after: np.ndarray, blows: dict[int, Blow]) -> np.ndarray:
+        """(6,): along which the load of the liquid on body b works in a step."""
+        way = way_of(before[b], after[b])
+        return blows[b].way_with(way) if b in blows else way
 
     def _control(self, motion: np.ndarray, wet: list[int], middle: float) -> np.ndarray:
         """(n, 6): control loads on bodies `wet` of motion (n,) POSE; zero for others."""
@@ -171,7 +177,7 @@ class WetLoads:
             if b not in blows:
                 books[FROM_LOADS] -= loads[b] @ way
                 continue
-            books[FROM_LOADS] += control[b] @ blows[b].way - blows[b].told @ way
+            books[FROM_LOADS] += control[b] @ blows[b].way_with(way) - blows[b].told @ way
 
 
 def way_of(before: np.void, after: np.void) -> np.ndarray:
