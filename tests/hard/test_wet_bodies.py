@@ -148,6 +148,18 @@ def test_light_ball_released_with_gravity_a_hair_apart(ratio, draw):
     holds(run(hair(deck("released", ratio), draw)), *RELEASED[ratio])
 
 
+@pytest.mark.parametrize("ratio", ("0.001", "0.1", "100"))
+def test_ball_that_gains_speed_under_water_leaves_cells_full(ratio):
+    # Steps of 5 ms, from rest: most V (F - 1) of the first five .0016, .0020, .0005; .045, .038, .027 where a ball that
+    # may collide goes by the mean of the velocities and the liquid by those of the end.
+    world, state = begin(deck("released", ratio))
+    pace, over = Pace(world.model, state), 0.0
+    for _ in range(5):
+        pace.advance(world)
+        over = max(over, float(((state.fluid.F - 1.0) * world.liquid.openings.V)[REAL].max()))
+    assert over <= 4e-3
+
+
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_ball_of_any_density_thrown_in(ratio):
     holds(run(deck("thrown", ratio)), *THROWN[ratio])
