@@ -19,10 +19,9 @@ from flowgmo.errors import StepTooLong
 NEVER = np.inf
 TOGETHER = 1e-6  # of a leg: pairs that touch nearer to each other in time than this are looked at together
 CLOSE = 1e-6  # of the smaller reach: points of one pair this near when it hits take part, as the ends of an edge do
-MOST_SEARCHES = (
-    100  # of one pair for its next event, of 2400 looks each, .2 to 1 s in all; scenes of decks/hard need none,
-)
-# but for bodies that turn so fast that each look may go on a little only
+SEARCHES = 100  # of one pair for its next event, of 2400 looks each, .2 to 1 s in all; then counts how far they came
+MOST_SEARCHES = 1e4  # of one pair in a leg, a minute or two; some 500 in decks/domino, where blocks pass each other just
+# apart; 1e9 and more where bodies turn so fast that each look may go on a little only
 SLACK = 2.0  # times `touch`: searches for one and the same instant end anywhere between half of it and the whole
 
 
@@ -109,7 +108,7 @@ class Watch:
         With it come the pairs that touch within TOGETHER of a leg: what is symmetric stays so. Raises StepTooLong where
         one pair is taken up without end.
         """
-        searches: dict[int, int] = {}
+        searches: dict[int, list[float]] = {}  # how many, and from when on
         while len(self.times):
             k = int(np.argmin(self.times))
             first = float(self.times[k])
@@ -118,8 +117,9 @@ class Watch:
             if self.sure[k]:
                 which = (self.times <= first + TOGETHER * (self.end - self.now)) & (self.sure == 1)
                 return first, self.pairs[which]
-            searches[k] = searches.get(k, 0) + 1
-            if searches[k] > MOST_SEARCHES:
+            searches.setdefault(k, [0, first])[0] += 1
+            count, since = searches[k]
+            if count > SEARCHES and count * (self.end - since) > MOST_SEARCHES * (first - since):
                 raise StepTooLong(self._without_end(self.pairs[k]))
             times, sure = self._events(self.pairs[k : k + 1], self.held, first)
             self.times[k], self.sure[k] = times[0], sure[0]
