@@ -20,8 +20,8 @@ NEVER = np.inf
 TOGETHER = 1e-6  # of a leg: pairs that touch nearer to each other in time than this are looked at together
 CLOSE = 1e-6  # of the smaller reach: points of one pair this near when it hits take part, as the ends of an edge do
 SEARCHES = 100  # of one pair for its next event, of 2400 looks each, .2 to 1 s in all; then counts how far they came
-MOST_SEARCHES = 1e4  # of one pair in a leg, a minute or two; some 500 in decks/domino, where blocks pass each other just
-# apart; 1e9 and more where bodies turn so fast that each look may go on a little only
+MOST_SEARCHES = 1e4  # of one pair in a leg, a minute or two; some 500 in decks/domino, where blocks pass one another
+# just apart; 1e9 and more where bodies turn so fast that each look may go on a little only
 SLACK = 2.0  # times `touch`: searches for one and the same instant end anywhere between half of it and the whole
 
 
