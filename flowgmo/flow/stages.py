@@ -137,6 +137,8 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     plan, new = liquid.plan, liquid.predicted
     liquid.courant = liquid.stride = 0.0  # not known yet, for a step that has to be tried again
     liquid.p[...] = flow.p
+    if liquid.immersed is not None:
+        liquid.immersed.rest_in_slits(new, dt)
     try:
         solved = liquid.projector.project(
             new,

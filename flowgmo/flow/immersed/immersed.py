@@ -136,6 +136,7 @@ class Immersed:
         self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
         self.closed = flow.F is None and (self.solved & self.no_exit | inside)
         self.narrow = NarrowFaces(self.open, self._numbers(self.cells))
+        self.less = [np.zeros(len(slits)) for slits in self.narrow.slits]  # of what gravity gives there
         self.let_by = self.narrow.let_by(self.shares, self.grid, self.centres, places, velocities, centres)
         self.driven_by = self._find_driven(places, velocities)
         self._uncover_cells(flow, dt)
@@ -274,13 +275,21 @@ class Immersed:
             if u is not None:
                 u.reshape(-1)[held[0]] = held[1] + g * held[2]
 
+    def rest_in_slits(self, velocity: Sequence[np.ndarray | None], dt: float) -> None:
+        """Before the pressure: slits give back what gravity gave them too much at the surface (`reach_slits`)."""
+        for u, slits, less, g in zip(velocity, self.narrow.slits, self.less, self.gravity, strict=True):
+            if u is not None:
+                u.reshape(-1)[slits] -= dt * g * less
+
     def reach_slits(self, wet: np.ndarray, b: tuple) -> None:
-        """The pressure's coefficients b [length] of narrow faces at the present surface, and what gravity gives to them
-        (narrow_faces.py); once in a step, after `begin`. wet (mesh): not 0 in liquid cells."""
+        """The pressure's coefficients b [length] of narrow faces and slits at the present surface, and what gravity
+        gives to them (narrow_faces.py); once in a step, after `begin`. wet (mesh): not 0 in liquid cells."""
         for d, held in enumerate(self.held):
             if held is not None:
                 narrow = np.flatnonzero(held[2])
-                held[2][narrow] = reach_slits(held[0][narrow], d, wet, b[d], self.grid)
+                of = d, wet, self.open[1 + d], b[d], self.grid
+                held[2][narrow] = reach_slits(held[0][narrow], *of)
+                self.less[d] = 1.0 - reach_slits(self.narrow.slits[d], *of)
 
     def friction(
         self, momentum: Momentum, mu: float, F: np.ndarray | None, places: np.ndarray, U0: np.ndarray, W: np.ndarray,

@@ -62,12 +62,29 @@ def test_the_surface_is_no_nearer_than_the_slit(beyond):
     faces, wet, b, grid, conductance, theta, slit = _at_surface(graded_block(14), beyond)
     assert len(faces) > 3
     before, h = b.copy(), conductance / (b.reshape(-1)[faces] * theta)
-    share = reach_slits(faces, 0, wet, b, grid)
+    opened = np.full(wet.shape, NARROW)
+    share = reach_slits(faces, 0, wet, opened, b, grid)
     np.testing.assert_allclose(b.reshape(-1)[faces], conductance / (np.maximum(theta, slit) * h), rtol=1e-13)
     np.testing.assert_allclose(share, np.minimum(theta / slit, 1.0), rtol=1e-13)
     wet[...] = 1  # amid liquid nothing changes
-    assert (reach_slits(faces, 0, wet, before, grid) == 1.0).all()
+    assert (reach_slits(faces, 0, wet, opened, before, grid) == 1.0).all()
     np.testing.assert_allclose(before.reshape(-1)[faces], conductance / (theta * h), rtol=1e-13)
+
+
+def test_wider_slits_come_nearer_to_what_they_are():
+    """Open by .02, .055, .0999, .2: half a cell times .889, .5, .001, 0 at least, where the surface is at .05 of h."""
+    grid = grid_of(graded_block(14))
+    wet, A, b = (np.zeros((18,) * 3) for _ in range(3))
+    faces = np.ravel_multi_index((np.array([4, 6, 8, 10]), [5] * 4, [5] * 4), wet.shape)
+    wet.reshape(-1)[faces] = 1
+    A.reshape(-1)[faces] = opened = np.array([0.02, 0.055, 0.0999, 0.2])
+    at = np.unravel_index(faces, wet.shape)
+    area, width = grid.dy[at[1]] * grid.dz[at[2]], grid.dx[at[0]]
+    b.reshape(-1)[faces] = opened * area / (0.05 * width)
+    share = reach_slits(faces, 0, wet, A, b, grid)
+    theta = np.maximum(0.5 * np.clip((0.1 - opened) / 0.09, 0.0, 1.0), 0.05)
+    np.testing.assert_allclose(share, 0.05 / theta, rtol=1e-12)
+    np.testing.assert_allclose(b.reshape(-1)[faces], opened * area / (theta * width), rtol=1e-12)
 
 
 @pytest.mark.parametrize("level", [0.47, 0.505, 0.5317])
