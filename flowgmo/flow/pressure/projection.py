@@ -240,7 +240,7 @@ class Projector:
         if F is not None and self.strength < np.inf and self.beta is None:
             self.over = overfull(F, self.openings.V, p, self.grid, self.rho, self.strength, dt, ease)
         iterations, again, last = 0, True, self.solves + MOST_SOLUTIONS
-        changed, release = None, guess  # once: opened again and again, a thin cell ended at 160 kPa of suction
+        changed, release = None, guess  # once for these contacts: if often, a thin cell ended at 160 kPa of suction
 
         def full(slack: float) -> bool:
             """Shut the voids that are full, and open what the guess shut wrongly; whether that changed any."""
@@ -272,6 +272,7 @@ class Projector:
             again = solved.interrupted or full(tolerance / dt)
             if not again and couple is not None:
                 again = couple.contacts_changed(self.q) and self.solves < last
+                release = again  # what has shut voids may have been bodies with other contacts
         self.sides.join(self.q)
         self.push(velocity)
         p.fill(0.0)
