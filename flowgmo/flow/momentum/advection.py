@@ -32,7 +32,7 @@ from flowgmo.kernel import flow_kernel, inner
 
 Array = np.ndarray
 NO = U64(0)
-VECTOR = U64(16)  # cells that the widest vectors hold twice; the compiler makes loops of two
+VECTOR = U64(8)  # cells that the widest vectors hold
 
 
 @inner

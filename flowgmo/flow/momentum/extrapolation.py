@@ -134,11 +134,17 @@ def _mean(found, value, i, j, k):
     weight = 0.0
     a, b, c = np.uint64(i - 1), np.uint64(j - 1), np.uint64(k - 1)  # unsigned: see columns.ONE
     for o in range(np.uint64(3)):
+        layer = (found >> np.int32(9 * o)) & 511
+        if layer == 0:
+            continue
         for m in range(np.uint64(3)):
+            line = (layer >> np.int32(3 * m)) & 7
+            if line == 0:  # most are: neighbours lie on one side
+                continue
             for n in range(np.uint64(3)):
                 steps = (m != ONE) + (n != ONE) + (o != ONE)  # distance2, since each is one at most
                 near = 1.0 if steps == 1 else (0.5 if steps == 2 else 1.0 / 3.0)
-                if (found >> np.int32(9 * o + 3 * m + n)) & 1:
+                if (line >> np.int32(n)) & 1:
                     total += near * value[a + m, b + n, c + o]
                     weight += near
     return total / weight

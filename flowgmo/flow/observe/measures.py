@@ -26,6 +26,7 @@ import numpy as np
 
 from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.observe.places_of_liquid import lean
+from flowgmo.flow.surface.plic import is_mixed
 from flowgmo.flow.surface.surface_normals import steps_of
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel, inner
@@ -92,7 +93,7 @@ def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy
                 if F[i, j, k] == 0.0:
                     continue
                 part *= F[i, j, k]
-                cut = cut or F[i, j, k] < 1.0
+                cut = cut or is_mixed(F[i, j, k])
             if hx is not None:
                 potential += part * (hx[i] + hy[j] + hz[k])
                 if cut and part > 0.0:
