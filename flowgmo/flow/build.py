@@ -110,7 +110,8 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
     if start.hydrostatic or _viscosity_needs_pressure(liquid, p):
         settle_pressure(liquid, flow, model.clock.dt)
     columns = all_columns(liquid.shape)
-    whole = total(liquid.team, columns, liquid.grid, liquid.openings, flow, model.fluid.rho, liquid.gravity, DUST)
+    of = liquid.team, columns, liquid.grid, liquid.openings, flow, model.fluid.rho, liquid.gravity, DUST
+    whole = total(*of, planes=liquid.planes)
     flow.start_volume, flow.start_energy = whole.volume, whole.kinetic + whole.potential
     return flow
 

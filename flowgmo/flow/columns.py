@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.fields import G
-from flowgmo.kernel import flow_kernel, kernel
+from flowgmo.kernel import flow_kernel, inner, kernel
 
 #: A loop over k runs with unsigned k: numba then needs no test for negative indices, and LLVM vectorises. Neighbours
 #: are k - ONE and k + ONE, since unsigned and plain numbers together would be floats.
@@ -45,16 +45,28 @@ def widen(columns, by, shape, out):
 
     shape (3,) of the arrays with ghosts; out (shape[0], shape[1], 2) int32 scratch. Real cells only.
     """
+    return _widened(columns, by, shape, np.int64(G), out)
+
+
+@kernel
+def widen_beyond(columns, by, shape, out):
+    """The same with the first layer of ghosts."""
+    return _widened(columns, by, shape, np.int64(G - 1), out)
+
+
+@inner
+def _widened(columns, by, shape, border, out):
+    """As `widen`, of all cells but `border` layers at each side."""
     nx, ny, nz = shape
     for i in range(nx):
         for j in range(ny):
             out[i, j, 0] = nz
             out[i, j, 1] = 0
     for c in range(columns.shape[0]):
-        for i in range(max(columns[c, 0] - by, G), min(columns[c, 0] + by + 1, nx - G)):
-            for j in range(max(columns[c, 1] - by, G), min(columns[c, 1] + by + 1, ny - G)):
-                out[i, j, 0] = min(out[i, j, 0], max(columns[c, 2] - by, G))
-                out[i, j, 1] = max(out[i, j, 1], min(columns[c, 3] + by, nz - G))
+        for i in range(max(columns[c, 0] - by, border), min(columns[c, 0] + by + 1, nx - border)):
+            for j in range(max(columns[c, 1] - by, border), min(columns[c, 1] + by + 1, ny - border)):
+                out[i, j, 0] = min(out[i, j, 0], max(columns[c, 2] - by, border))
+                out[i, j, 1] = max(out[i, j, 1], min(columns[c, 3] + by, nz - border))
     n = np.int64(0)
     for i in range(nx):
         for j in range(ny):

@@ -1,6 +1,6 @@
 """The liquid of a scene: what its steps need and keep, made once.
 
-Bytes per cell: fields 48, open fractions 32, here 78 (with viscosity 102), pressure equation 56 + 33
+Bytes per cell: fields 48, open fractions 32, here 110 (with viscosity 134), pressure equation 56 + 33
 (projection.py, multigrid.py).
 """
 
@@ -23,10 +23,12 @@ from flowgmo.flow.pressure.projection import Projector
 from flowgmo.flow.pressure.thin_cells import find_thin_faces
 from flowgmo.flow.surface.donor_acceptor import donor_acceptor_flux
 from flowgmo.flow.surface.liquid_flux import plic_flux
+from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.surface_tracking import tracking_of
 from flowgmo.flow.team import Team
 from flowgmo.flow.time_step import courant_rate, surface_limit
 from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT, FluidPlan, speed_in_sight
+from flowgmo.mesh import PRESSURE, VELOCITY
 
 DUST = 1e-6  # of a cell: less takes no part; it is what the pressure's tolerance leaves in a step (stages.TOLERANCE).
 # Nothing holds the faces beside it: they would fall by g t as long as it is there, and bound the step
@@ -74,9 +76,10 @@ class Liquid:
         self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
         still = openings if still is None else still
         thin = find_thin_faces(still) if inertia_rules(plan, grid, self.gravity) else (None, None, None)
+        self.planes = Planes(grid) if plan.free_surface else None
         self.projector = Projector(
             grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor, thin=thin, still=still.V,
-            beta=plan.compressibility,
+            beta=plan.compressibility, planes=self.planes,
         )  # fmt: skip
         self.acceleration = self._per_direction()
         self.predicted = self._per_direction()
@@ -88,7 +91,7 @@ class Liquid:
         self.marked = np.zeros((0, 4), np.int32)  # columns of what `beside` knows
         self.ends = np.zeros((*self.shape[:2], 2), np.int32)
         self.surface_limit = surface_limit(grid, self.gravity, self.present) if plan.free_surface else np.inf
-        self.tracking = tracking_of(grid, CARRY[plan.tracking]) if plan.free_surface else None
+        self.tracking = tracking_of(grid, CARRY[plan.tracking], self.planes) if plan.free_surface else None
         self.entered = np.zeros(6)  # [length3] liquid that came in through each side in the step just made
         self.friction = np.zeros(2)  # [energy] of the step just made, as Flow.friction
         self.walls = {}  # body number -> (cells (n, 3), face shares (n, 6)) of the wall it makes
@@ -105,8 +108,19 @@ class Liquid:
     def renew(self, cells: np.ndarray | None = None) -> None:
         """The open fractions have changed, of cells (n, 3) [in C order] and their lower faces, or (None) anywhere:
         sort faces and regions anew."""
+        self._forget_planes()
         self.team.run_rows(_do, [self.momentum.sort_faces, self.projector.renew], 1, cells)
         self.momentum.renew(cells)
+
+    @property
+    def planes_last(self) -> bool:
+        """Whether planes of F hold from the end of a step to the sweeps of the next: nothing moves in the liquid, and
+        no side gives what lies beyond it."""
+        return self.immersed is None and not any(plan.kind in (PRESSURE, VELOCITY) for plan in self.sides.plans)
+
+    def _forget_planes(self) -> None:
+        if self.planes is not None:
+            self.planes.forget()
 
     def _per_direction(self) -> list:
         return [np.zeros(self.shape) if there else None for there in self.present]
@@ -148,6 +162,7 @@ class Liquid:
     def store(self, flow: Flow, dt: float) -> None:
         """Make the new values the state's, and the state's old arrays scratch."""
         self._found = None
+        self._forget_planes()
         old = flow.velocity
         flow.u, flow.v, flow.w = self.predicted
         self.predicted, self.held = old, self.held[::-1]

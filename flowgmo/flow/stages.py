@@ -41,7 +41,7 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     liquid.sides.set_time(t1)
     liquid.find_columns(flow.F)
     liquid.clear_beyond()
-    liquid.projector.set_surface(flow.F)
+    liquid.projector.set_surface(flow.F, lasting=liquid.planes_last)
     if liquid.immersed is not None:
         liquid.immersed.reach_slits(liquid.projector.wet, liquid.projector.matrix.b)
     _look_beside(liquid, flow.F)
@@ -201,7 +201,8 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
     fill_ghosts = liquid.sides.fill_fraction
     if liquid.immersed is not None:
         liquid.immersed.narrow.lean(liquid.predicted, 1.0)
-    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change)
+    known = liquid.planes_last and liquid.planes.are_of(flow.F)  # of which liquid.F is a copy
+    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change, known)
     if liquid.immersed is not None:
         liquid.immersed.narrow.lean(liquid.predicted, -1.0)
     longer = liquid.plan.steps.courant > MOST_COURANT and liquid.courant > MOST_ALONG and change is None

@@ -26,8 +26,8 @@ import numpy as np
 
 from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.observe.places_of_liquid import lean
+from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.plic import is_mixed
-from flowgmo.flow.surface.surface_normals import steps_of
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel, inner
 
@@ -68,12 +68,13 @@ def mean_of_faces(a, A, i, j, k, m, n, o):
 
 
 @flow_kernel
-def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy, hz, g, least, sums, momenta):
+def sum_columns(columns, first, last, grid, opened, V, planes, F, u, v, w, hx, hy, hz, g, least, sums, momenta):
     """sums[c] = volume, its kinetic and potential energy / rho, and the cells with F > least, of each column; momenta
     (n, 3): momentum / rho, or None.
 
-    opened: Open, V: opened.V (by itself, since None must be an argument to be pruned). hx, hy, hz (n + 4,)
-    [length2/time2]: -g . x of cell centres along each direction; g (3,) [length/time2]. None without gravity.
+    opened: Open, V: opened.V (by itself, since None must be an argument to be pruned); planes (mesh, 4) of F.
+    hx, hy, hz (n + 4,) [length2/time2]: -g . x of cell centres along each direction; g (3,) [length/time2]. None
+    without gravity.
     """
     for c in range(first, last):
         i = columns[c, 0]
@@ -98,7 +99,7 @@ def sum_columns(columns, first, last, grid, opened, V, steps, F, u, v, w, hx, hy
                 potential += part * (hx[i] + hy[j] + hz[k])
                 if cut and part > 0.0:
                     weights = (g[0] * grid.dx[i], g[1] * grid.dy[j], g[2] * grid.dz[k])
-                    potential -= grid.dz[k] * lean(F, V, opened, steps, i, j, k, weights)
+                    potential -= grid.dz[k] * lean(F, V, opened, planes, i, j, k, weights)
             square = mean_square(u, opened.Ax, i, j, k, 1, 0, 0)
             square += mean_square(v, opened.Ay, i, j, k, 0, 1, 0)
             square += mean_square(w, opened.Az, i, j, k, 0, 0, 1)
@@ -145,16 +146,22 @@ def total(
     gravity: np.ndarray,
     least: float,
     momentum: np.ndarray | None = None,
+    planes: Planes | None = None,
 ) -> Totals:
     """Totals of the liquid in the columns' cells; F with ghosts filled. least: F of a cell that counts as wet; momentum
-    (3,) [mass length/time]: becomes that of the liquid."""
+    (3,) [mass length/time]: becomes that of the liquid. planes: the scene's, found here unless they are known."""
     sums, momenta = np.empty((len(columns), 4)), None if momentum is None else np.empty((len(columns), 3))
     g, where = None, (None, None, None)
     if np.any(gravity):
         g, where = tuple(float(x) for x in gravity), heights(grid, gravity)
+    at = None
+    if g is not None and flow.F is not None:
+        planes = planes or Planes(grid)
+        planes.find(team, flow.F, openings)
+        at = planes.at
     opened = openings, openings.V
     team.run_uneven(
-        sum_columns, columns, grid, *opened, steps_of(grid), flow.F, *flow.velocity, *where, g, least, sums, momenta
+        sum_columns, columns, grid, *opened, at, flow.F, *flow.velocity, *where, g, least, sums, momenta
     )  # fmt: skip
     volume, kinetic, potential, wet = (math.fsum(column) for column in sums.T.tolist())
     if momentum is not None:

@@ -37,7 +37,7 @@ import numpy as np
 
 from flowgmo.flow.surface.cut_level import has_plane, level_in_cut_cell, open_above, porous_share, solid_plane
 from flowgmo.flow.surface.plic import is_mixed, is_plane, stretched, volume_under
-from flowgmo.flow.surface.surface_normals import plane_of_cell
+from flowgmo.flow.surface.surface_normals import plane_at
 from flowgmo.kernel import inner
 
 GAUSS = 0.5 / np.sqrt(3.0)  # of a piece: the two points on either side of its middle
@@ -148,18 +148,18 @@ def _in_cut_cell(opened, i, j, k, F, axis, up, weights):
 
 
 @inner
-def lean(F, V, opened, steps, i, j, k, weights):
+def lean(F, V, opened, planes, i, j, k, weights):
     """Sum over d of weights_d (moment_d - half of the liquid's volume) of cell (i, j, k), which is mixed or cut.
 
-    F (mesh) or None where all is liquid, with ghosts filled; V: opened.V (None: wholly open cells), steps as in
-    surface_normals.plane_of_cell; weights triple [any unit]. 0 for cells whose liquid lies evenly around the centre.
+    F (mesh) or None where all is liquid; V: opened.V (None: wholly open cells); planes (mesh, 4) of F (planes.py);
+    weights triple [any unit]. 0 for cells whose liquid lies evenly around the centre.
     """
     fraction, m, alpha, mixed = 1.0, (0.0, 0.0, 0.0), 0.0, False
     if F is not None:
         fraction = max(F[i, j, k], 0.0)  # cells that close may lack a little for a step
         mixed = is_mixed(fraction)
         if mixed:
-            m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
+            m, alpha = plane_at(planes, i, j, k)
             mixed = is_plane(m)
     if V is not None:
         if V[i, j, k] < 1.0:

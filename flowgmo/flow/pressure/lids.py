@@ -34,8 +34,9 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.fields import G, Grid, Open
+from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.plic import FULL, crossing, share_of_slab, stretched, volume_under
-from flowgmo.flow.surface.surface_normals import Steps, plane_of_cell
+from flowgmo.flow.surface.surface_normals import plane_at
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel, inner, kernel
 
@@ -128,10 +129,10 @@ def _add_lid(A, m, alpha, d, shut, i, j, k, S, width, area, n):
 
 
 @flow_kernel
-def _find(columns, first, last, ends, F, V, opened, steps, grid, closed, wet,
+def _find(columns, first, last, ends, F, V, opened, surfaces, grid, closed, wet,
           cells, conductance, area, room, volume, planes):  # fmt: skip
     """Fill the arrays of Lids in the order of the columns, up to ends (columns,) for each; where none is, conductance
-    stays 0."""
+    stays 0. surfaces (mesh, 4): the planes of F (surface/planes.py)."""
     for c in range(first, last):
         n = ends[c - 1] if c > 0 else np.int64(0)
         if ends[c] == n:
@@ -140,7 +141,7 @@ def _find(columns, first, last, ends, F, V, opened, steps, grid, closed, wet,
         for k in range(columns[c, 2], columns[c, 3]):
             if wet[i, j, k] == 0 or not may_have_lid(F, opened, closed, i, j, k):
                 continue
-            m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
+            m, alpha = plane_at(surfaces, i, j, k)
             x, y, z = faces_shut(F, opened, closed, i, j, k)
             dx, dy, dz = grid.dx[i], grid.dy[j], grid.dz[k]
             for f in range(6):
@@ -161,7 +162,7 @@ def _find(columns, first, last, ends, F, V, opened, steps, grid, closed, wet,
 
 
 def find_lids(
-    team: Team, columns: np.ndarray, counts: np.ndarray, F: np.ndarray, openings: Open, steps: Steps, grid: Grid,
+    team: Team, columns: np.ndarray, counts: np.ndarray, F: np.ndarray, openings: Open, planes: Planes, grid: Grid,
     closed: np.ndarray, wet: np.ndarray,
 ) -> Lids:  # fmt: skip
     """The Lids in the columns. F [-] with ghosts filled; counts (columns,): cells of each that may have one.
@@ -173,7 +174,7 @@ def find_lids(
     if not len(lids.cells):
         return lids
     lids.conductance.fill(0.0)
-    team.run_uneven(_find, columns, ends, F, openings.V, openings, steps, grid, closed, wet, *lids)
+    team.run_uneven(_find, columns, ends, F, openings.V, openings, planes.at, grid, closed, wet, *lids)
     there = lids.conductance > 0.0
     return Lids(*(a[there] for a in lids))
 

@@ -67,10 +67,10 @@ def face_coefficients(columns, first, last, grid, Ax, Ay, Az, wet, bx, by, bz):
 
 
 @flow_kernel
-def surface_coefficients(columns, first, last, widths, S1, S2, S3, h, A, d, F, V, opened, steps, wet, b):
+def surface_coefficients(columns, first, last, widths, S1, S2, S3, h, A, d, F, V, opened, planes, wet, b):
     """b of the columns' upper faces along d (0, 1, 2) that lie between a liquid cell and another one.
 
-    widths, h: of cells along d; S1[i] S2[j] S3[k]: the face's area.
+    widths, h: of cells along d; S1[i] S2[j] S3[k]: the face's area; planes (mesh, 4) of F (planes.py).
     """
     di = np.int64(d == 0)
     dj = np.int64(d == 1)
@@ -91,9 +91,9 @@ def surface_coefficients(columns, first, last, widths, S1, S2, S3, h, A, d, F, V
             low = (i, j, np.int64(k))
             high = (i + di, j + dj, k + dk)
             if below != 0:
-                share = wet_share(F, V, opened, steps, low, high, d, 1.0, widths[n], widths[n + 1])
+                share = wet_share(F, V, opened, planes, low, high, d, 1.0, widths[n], widths[n + 1])
             else:
-                share = wet_share(F, V, opened, steps, high, low, d, -1.0, widths[n + 1], widths[n])
+                share = wet_share(F, V, opened, planes, high, low, d, -1.0, widths[n + 1], widths[n])
             b[i, j, k] = conductance / share
 
 

@@ -43,7 +43,7 @@ from flowgmo.flow.pressure.sealed import Sealed
 from flowgmo.flow.pressure.surface_distance import mark_liquid
 from flowgmo.flow.pressure.thin_cells import ThinFaces, add_rest, multiply
 from flowgmo.flow.pressure.voids import Voids, closed_sides
-from flowgmo.flow.surface.surface_normals import steps_of
+from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.team import Team
 from flowgmo.mesh import PRESSURE
 
@@ -117,6 +117,7 @@ class Projector:
         thin: tuple[ThinFaces | None, ...] = (None, None, None),
         still: np.ndarray | None = None,
         beta: float | None = None,
+        planes: Planes | None = None,
     ) -> None:
         self.grid, self.openings, self.sides, self.team, self.rho, self.beta = grid, openings, sides, team, rho, beta
         self.ease = 0.0  # [time] in which PUSH of an excess leaves, where steps are shorter
@@ -136,16 +137,15 @@ class Projector:
             else ConjugateGradients(shape, widths, self.multigrid, team)
         )
         self.wet = np.zeros(shape, np.int8)
-        self.steps = steps_of(grid)
+        self.planes = planes or Planes(grid)
         self.thin = thin
         self.eased = still if any(t is not None for t in thin) else None
         self.every = all_columns(shape)
         self.held = tuple(plan.kind == PRESSURE for plan in sides.plans)
         self.sealed = Sealed(openings, shape, self.held, sides.periodic)
         self.exits = Exits(grid, openings, sides, self.sealed.label)
-        self.ends = np.zeros((*shape[:2], 2), np.int32)  # scratch of `widen`
         closed = closed_sides(sides.plans, tuple(a is not None for a in b))
-        self.voids, self.solves = Voids(team, grid, openings, self.steps, closed), 0
+        self.voids, self.solves = Voids(team, grid, openings, self.planes, closed), 0
         self.ends = np.zeros((*shape[:2], 2), np.int32)  # of `widen`: where the columns of faces begin and end
         self.areas = [[np.ones_like(w) if e == d else w for e, w in enumerate(grid[:3])] for d in range(3)]
         self.lower_faces = [self._lower_faces(d) if sides.lower_face_acts(d) else None for d in range(3)]
@@ -166,17 +166,21 @@ class Projector:
         self.sealed.renew(cells)
         self.exits = Exits(self.grid, self.openings, self.sides, self.sealed.label)
 
-    def set_surface(self, F: np.ndarray | None) -> None:
-        """Fit the coefficients of faces to where the liquid is. F with ghosts filled."""
+    def set_surface(self, F: np.ndarray | None, *, lasting: bool = False) -> None:
+        """Fit the coefficients of faces to where the liquid is. F with ghosts filled; lasting: planes that are known of
+        it hold still."""
         run, m, before = self.team.run, self.matrix, self.matrix.faces
+        if not lasting:
+            self.planes.forget()
+        if F is not None:
+            self.planes.find(self.team, F, self.openings)
         run(clear, before, self.wet)
         near = self.every if F is None else columns_where(F, HALF)
         if F is not None and self.openings.V is not None:  # cells that a solid cuts beside the liquid
             near = widen(near, 1, self.q.shape, self.ends)
         counts = np.zeros(len(near), np.int32)
-        self.team.run_uneven(
-            mark_liquid, near, F, self.openings.V, self.openings, self.steps, self.voids.closed, self.wet, counts
-        )
+        openings, at = self.openings, self.planes.at
+        self.team.run_uneven(mark_liquid, near, F, openings.V, openings, at, self.voids.closed, self.wet, counts)
         m.columns = columns_where(self.wet, 0)
         m.faces = widen(m.columns, 1, self.q.shape, self.ends)
         if F is not None:
@@ -202,7 +206,7 @@ class Projector:
             if m.b[d] is not None:
                 self.team.run_uneven(
                     surface_coefficients, m.faces, self.grid[d], *self.areas[d], self.grid[3 + d], self.openings[1 + d],
-                    np.int64(d), F, V, self.openings, self.steps, self.wet, m.b[d],
+                    np.int64(d), F, V, self.openings, self.planes.at, self.wet, m.b[d],
                 )  # fmt: skip
 
     def project(

@@ -20,7 +20,7 @@ from flowgmo.flow.pressure.lids import may_have_lid
 from flowgmo.flow.pressure.pockets import POCKET
 from flowgmo.flow.surface.cut_level import holds_below
 from flowgmo.flow.surface.plic import FULL, crossing, is_mixed, is_plane
-from flowgmo.flow.surface.surface_normals import near_solids, plane_of_cell
+from flowgmo.flow.surface.surface_normals import near_solids, plane_at
 from flowgmo.kernel import flow_kernel, inner
 
 LEAST = 0.1  # of the own cell: a guess must not put the surface into the centre, where any pressure is a jet
@@ -29,7 +29,7 @@ NEAREST = 1e-3  # least share of h, and depth of the centre of a liquid cell in 
 
 
 @flow_kernel
-def mark_liquid(columns, first, last, F, V, opened, steps, closed, wet, lids):
+def mark_liquid(columns, first, last, F, V, opened, planes, closed, wet, lids):
     """wet (int8, mesh) = 1 in cells whose centre lies in the liquid, 0 in the others of the columns.
 
     F None: no free surface, all open cells. In cells that a solid cuts the plane decides, since F is a share of what is
@@ -51,7 +51,7 @@ def mark_liquid(columns, first, last, F, V, opened, steps, closed, wet, lids):
                     liquid = False
                 elif F is not None:
                     if DRY < F[i, j, k] < WET and near_solids(V, i, j, k):
-                        m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
+                        m, alpha = plane_at(planes, i, j, k)
                         if is_plane(m):
                             size = abs(m[0]) + abs(m[1]) + abs(m[2])
                             liquid = 0.5 * (m[0] + m[1] + m[2]) + NEAREST * size <= alpha
@@ -67,11 +67,11 @@ def mark_liquid(columns, first, last, F, V, opened, steps, closed, wet, lids):
 
 
 @inner
-def _plane(F, V, opened, steps, i, j, k):
+def _plane(F, planes, i, j, k):
     """(m, alpha) of the surface in a cell, m = 0 without one."""
     if not is_mixed(F[i, j, k]):
         return (0.0, 0.0, 0.0), 0.0
-    return plane_of_cell(F, V, opened, steps, i, j, k)
+    return plane_at(planes, i, j, k)
 
 
 @inner
@@ -133,21 +133,21 @@ def _holds_more(F, V, own, other, own_wide, other_wide):
 
 
 @inner
-def wet_share(F, V, opened, steps, own, other, d, sign, own_wide, other_wide):
+def wet_share(F, V, opened, planes, own, other, d, sign, own_wide, other_wide):
     """Share of the distance of two centres that is wet: own (i, j, k) is liquid, other beyond sign * d is not.
 
     inf where the plane runs along the line: through the own centre, or from cell to cell, and only how a solid cuts
     them makes one wet and one dry. Other is then as good as liquid, nothing drives it.
     """
     h = 0.5 * (own_wide + other_wide)
-    m, alpha = _plane(F, V, opened, steps, own[0], own[1], own[2])
+    m, alpha = _plane(F, planes, own[0], own[1], own[2])
     near = sign * _crossing(m, alpha, d)
     # a plane through the very centre, where F = 1/2, may round to either side of it; one in the face to the other cell
     # may be void that the pressure's tolerance has left in a full cell: then the other cell knows better
     meets = -NEAREST <= near <= 0.5 - NEAREST
     if meets and not _holds_more(F, V, own, other, own_wide, other_wide):
         return max(near * own_wide / h, NEAREST)
-    n, beta = _plane(F, V, opened, steps, other[0], other[1], other[2])
+    n, beta = _plane(F, planes, other[0], other[1], other[2])
     far = -sign * _crossing(n, beta, d)
     if -2.0 * NEAREST <= far <= 0.5:  # the centre of a dry cell may lie as deep as that
         return max((h - far * other_wide) / h, NEAREST)

@@ -26,7 +26,7 @@ from flowgmo.flow.fields import Grid, Open
 from flowgmo.flow.pressure.lids import ABSENT, OPEN, SHUT, Lids, bound, find_lids, no_lids, outflow
 from flowgmo.flow.pressure.pockets import pocket_flows, take_pockets
 from flowgmo.flow.pressure.ways_out import WaysOut
-from flowgmo.flow.surface.surface_normals import Steps
+from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.team import Team
 from flowgmo.flow_plan import SidePlan
 from flowgmo.mesh import SYMMETRY, WALL
@@ -41,8 +41,9 @@ def closed_sides(plans: tuple[SidePlan, ...], present: tuple[bool, ...]) -> np.n
 class Voids:
     """Of one scene; found anew for every surface (`find`). shut (lids + pockets,): which are full by now."""
 
-    def __init__(self, team: Team, grid: Grid, openings: Open, steps: Steps, closed: np.ndarray) -> None:
-        self.team, self.grid, self.openings, self.steps, self.closed = team, grid, openings, steps, closed
+    def __init__(self, team: Team, grid: Grid, openings: Open, planes: Planes, closed: np.ndarray) -> None:
+        self.team, self.grid, self.openings, self.closed = team, grid, openings, closed
+        self.planes = planes
         self.lids: Lids = no_lids()
         self.pockets = self.cells = np.empty((0, 3), np.int32)
         self.ways_out = WaysOut(openings)
@@ -54,7 +55,7 @@ class Voids:
             self.pockets = self.pockets[
                 : take_pockets(columns, counts, F, self.openings, self.closed, wet, self.pockets)
             ]
-        self.lids = find_lids(self.team, columns, counts, F, self.openings, self.steps, self.grid, self.closed, wet)
+        self.lids = find_lids(self.team, columns, counts, F, self.openings, self.planes, self.grid, self.closed, wet)
         self.cells = np.concatenate([self.lids.cells, self.pockets])
         self.volume = np.concatenate([self.lids.volume, np.prod([
             d[k] for d, k in zip(self.grid[:3], self.pockets.T, strict=True)
@@ -110,7 +111,9 @@ class Voids:
         velocity, b, F, dt = self.known
         lids, n = self.lids, len(self.lids.cells)
         most = bound(lids, self.grid, self.openings, velocity, b, q, dt)
-        at = pocket_flows(self.pockets, F, self.openings, self.steps, self.grid, velocity, b, q, dt, *self.opened)
+        at = pocket_flows(
+            self.pockets, F, self.openings, self.planes.steps, self.grid, velocity, b, q, dt, *self.opened
+        )
         self.pocket_inflow = at[:, 0]
         self.flow = np.concatenate([self.predicted + lids.conductance * q[lids.at], at[:, 1]])
         self.most = np.concatenate([most, at[:, 2]])

@@ -13,22 +13,21 @@ The slab of a cell that is not cut holds at most |u| dt, so that no face takes o
 from __future__ import annotations
 
 from flowgmo.flow.surface.carriers import across_column, columns_of_faces, travel, upwind, upwind_cell
-from flowgmo.flow.surface.plic import is_mixed, is_plane, plane_offset, share_of_slab
-from flowgmo.flow.surface.surface_at_solids import plane_at_solids, share_in_cut_cell
-from flowgmo.flow.surface.surface_normals import near_solids, surface_vector
+from flowgmo.flow.surface.plic import is_mixed, is_plane, share_of_slab
+from flowgmo.flow.surface.surface_at_solids import share_in_cut_cell
+from flowgmo.flow.surface.surface_normals import near_solids, plane_at
 from flowgmo.kernel import flow_kernel, inner
 
 DROP = 1e-2  # [-] F of a cell below which it may be a drop in the air, see is_drop: of a surface cell's F, one in 100
 
 
 @flow_kernel
-def plic_flux(columns, first, last, own, dt, F, V, opened, steps, flux):
+def plic_flux(columns, first, last, own, dt, F, V, opened, planes, flux):
     """flux [length] of the upper faces of the columns, and of the domain's lower sides beside them.
 
-    own Carrier, F [-] with ghosts, V opened.V, opened Open, steps Steps, flux (mesh) on faces.
+    own Carrier, F [-] with ghosts, V opened.V, opened Open, planes (mesh, 4) of F (planes.py), flux (mesh) on faces.
     """
     d, q, A, across, along = own.way.d, own.q, own.A, own.way.across, own.way.along
-    x, y, z = steps.x, steps.y, steps.z
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
         for back in range(columns_of_faces(d, i, j)):
@@ -46,11 +45,10 @@ def plic_flux(columns, first, last, own, dt, F, V, opened, steps, flux):
                     if near_solids(V, e, f, g):
                         solid = True
                         if not drop:
-                            share = _share_at_solids(F, V, opened, steps, e, f, g, d, low, high)
+                            share = _share_at_solids(F, V, opened, planes, e, f, g, d, low, high)
                         share = _at_hand(share, F[e, f, g], V[e, f, g], A[a, b, k] * thick)
                 if not solid and not drop:
-                    m = surface_vector(F, x, y, z, e, f, g)
-                    alpha = plane_offset(m, F[e, f, g])
+                    m, alpha = plane_at(planes, e, f, g)
                     share = share_of_slab(m, alpha, d, low, high) if is_plane(m) else F[e, f, g]
                 flux[a, b, k] = travel(q, A, dt, a, b, k) * share
 
@@ -80,9 +78,9 @@ def is_drop(F, i, j, k):
 
 
 @inner
-def _share_at_solids(F, V, opened, steps, i, j, k, d, low, high):
+def _share_at_solids(F, V, opened, planes, i, j, k, d, low, high):
     """Liquid share of the open part of a slab in a mixed cell that is cut or has cut or closed neighbours."""
-    m, alpha = plane_at_solids(F, opened, steps, i, j, k)
+    m, alpha = plane_at(planes, i, j, k)
     if not is_plane(m):
         return F[i, j, k]
     if V[i, j, k] < 1.0:

@@ -215,12 +215,16 @@ def _choose(g, of_x, of_y, of_z, ok_x, ok_y, ok_z):
 
 @flow_kernel
 def find_planes(columns, first, last, F, V, opened, steps, planes):
-    """planes (mesh, 4): m and alpha of the mixed cells of the columns; 0 in their other cells. V: opened.V."""
+    """planes (mesh, 4): m and alpha of the mixed cells of the columns; others stay as they are. V: opened.V."""
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
         for k in range(k0, k1):
-            m, alpha = (0.0, 0.0, 0.0), 0.0
             if is_mixed(F[i, j, k]):
-                m, alpha = plane_of_cell(F, V, opened, steps, i, j, k)
-            planes[i, j, k, 0], planes[i, j, k, 1], planes[i, j, k, 2] = m
-            planes[i, j, k, 3] = alpha
+                m, planes[i, j, k, 3] = plane_of_cell(F, V, opened, steps, i, j, k)
+                planes[i, j, k, 0], planes[i, j, k, 1], planes[i, j, k, 2] = m
+
+
+@inner
+def plane_at(planes, i, j, k):
+    """(m, alpha) of a mixed cell, from what `find_planes` left."""
+    return (planes[i, j, k, 0], planes[i, j, k, 1], planes[i, j, k, 2]), planes[i, j, k, 3]

@@ -28,14 +28,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowgmo.flow.columns import widen
+from flowgmo.flow.columns import widen, widen_beyond
 from flowgmo.flow.fields import Flow, Grid, Open
 from flowgmo.flow.immersed.volume_change import VolumeChange
 from flowgmo.flow.surface.carriers import Carrier, Way
 from flowgmo.flow.surface.liquid_flux import plic_flux
-from flowgmo.flow.surface.liquid_sweep import FIRST, LAST, sweep, through_sides, wet_columns
+from flowgmo.flow.surface.liquid_sweep import FIRST, LAST, sweep, through_sides
+from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.spill_over import find_excess, find_left, find_shares, settle
-from flowgmo.flow.surface.surface_normals import Steps, steps_of
 from flowgmo.flow.team import Team
 
 ORDERS = {
@@ -55,7 +55,7 @@ class Tracking:
     """
 
     grid: Grid
-    steps: Steps
+    planes: Planes
     ways: tuple[Way, Way, Way]
     carry: Callable
     flux: np.ndarray
@@ -77,14 +77,14 @@ class Moved(NamedTuple):
     lost: float
 
 
-def tracking_of(grid: Grid, carry: Callable = plic_flux) -> Tracking:
-    """Scratch arrays for a mesh, and the kernel that takes the liquid across faces."""
+def tracking_of(grid: Grid, carry: Callable = plic_flux, planes: Planes | None = None) -> Tracking:
+    """Scratch arrays for a mesh, and the kernel that takes the liquid across faces. planes: the scene's, None: own."""
     shape = (len(grid.dx), len(grid.dy), len(grid.dz))
     even = np.ones(shape[2])
     ways = Way(0, 1.0 / grid.dx, even), Way(1, 1.0 / grid.dy, even), Way(2, np.ones(1), 1.0 / grid.dz)
     bounds = np.zeros((*shape[:2], 2), np.int32)
     flux, heavy, share = np.zeros(shape), np.zeros(shape, np.int8), np.zeros(shape)
-    return Tracking(grid, steps_of(grid), ways, carry, flux, heavy, share, bounds)
+    return Tracking(grid, planes or Planes(grid), ways, carry, flux, heavy, share, bounds)
 
 
 def move_liquid(
@@ -96,12 +96,13 @@ def move_liquid(
     number: int,
     fill: Callable[[np.ndarray], None],
     change: VolumeChange | None = None,
+    known: bool = False,
 ) -> Moved:
     """Advance flow.F by dt [time] with the velocities u, v, w on faces; absent directions (None) are skipped.
 
     number of the step chooses the order of the sweeps. fill(F) sets the two ghost layers of F, corners too: mirror
     at walls, symmetry and absent directions, copy where periodic, what flows in at open sides; it is called before
-    every sweep. change: of opened.V, which is then that of the end of the step.
+    every sweep. change: of opened.V, which is then that of the end of the step. known: the planes are of this F.
     Holds after: the total of V F changed by what entered, to round-off; closed cells are dry.
     """
     F, own = flow.F, zip((flow.u, flow.v, flow.w), opened[1:], tracking.ways, strict=True)
@@ -110,21 +111,29 @@ def move_liquid(
         change.stretch(F)
     fill(F)
     entered = np.zeros(6)
-    wet = widen(wet_columns(F, tracking.bounds), 1, F.shape, tracking.bounds)
+    planes = tracking.planes
+    if not known:
+        planes.forget()
+        planes.find(team, F, opened)
+    wet = widen(planes.columns, 1, F.shape, tracking.bounds)
     if len(wet) == 0 or not carriers:
         if change is not None:
             change.restore(F, opened, tracking.grid)
         return Moved(entered, 0.0, 0.0, 0.0)
     around = widen(wet, 1, F.shape, tracking.bounds)
+    reached = widen_beyond(planes.columns, 1, F.shape, tracking.bounds)
     orders = ORDERS[len(carriers)]
     order = [carriers[n] for n in orders[number % len(orders)]]
     for at, carrier in enumerate(order):
         if at > 0:
             fill(F)
-        team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, tracking.steps, tracking.flux)
+            if tracking.carry is plic_flux:
+                planes.find_in(team, reached, F, opened)
+        team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, planes.at, tracking.flux)
         _sweep(team, tracking, wet, order, at, F, opened.V, dt)
         d = carrier.way.d
         entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
+    planes.forget()
     if change is not None:
         change.restore(F, opened, tracking.grid)
     return Moved(entered, *_settle(team, tracking, wet, around, F, opened))
