@@ -40,6 +40,31 @@ def columns_where(marked, lowest):
 
 
 @kernel
+def columns_among(columns, marked, lowest):
+    """The same of real cells that given columns hold, some of which may be ghosts: where no others can be marked."""
+    nx, ny, nz = marked.shape
+    out = np.empty((len(columns), 4), np.int32)
+    n = np.int64(0)
+    for c in range(len(columns)):
+        i = columns[c, 0]
+        j = columns[c, 1]
+        if i < G or i >= nx - G or j < G or j >= ny - G:
+            continue
+        bottom, top = np.int64(nz), np.int64(-1)
+        for k in range(max(columns[c, 2], G), min(columns[c, 3], nz - G)):
+            found = marked[i, j, k] > lowest
+            bottom = min(bottom, k if found else nz)
+            top = max(top, k if found else -1)
+        if top >= 0:
+            out[n, 0] = i
+            out[n, 1] = j
+            out[n, 2] = bottom
+            out[n, 3] = top + 1
+            n += 1
+    return out[:n].copy()
+
+
+@kernel
 def widen(columns, by, shape, out):
     """Columns that also hold all cells within `by` cells (in each direction) of the given ones.
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.boundary import Sides
-from flowgmo.flow.columns import all_columns, clear_left, columns_where, tabulate, widen
+from flowgmo.flow.columns import all_columns, clear_left, columns_among, columns_where, tabulate, widen
 from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.immersed.immersed import Immersed
 from flowgmo.flow.momentum.extrapolation import make_beside
@@ -130,7 +130,8 @@ class Liquid:
         this was last done, and what they held then (n,)."""
         if F is not None and (F is not self._found or changed is not None and self._have_left(F, *changed)):
             self._found = F
-            self.near = columns_where(F, DUST)
+            known = self.planes_last and self.planes.are_of(F)
+            self.near = columns_among(self.planes.columns, F, DUST) if known else columns_where(F, DUST)
             self.faces = widen(self.near, 1, self.shape, self.ends)
             self.about = widen(self.near, 2, self.shape, self.ends)
 

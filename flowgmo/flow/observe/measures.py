@@ -13,8 +13,8 @@ pass: all of the time goes into reading the velocities.
 x is where the liquid of the cell is, not the cell's centre (places_of_liquid.py): a surface that rises by half a cell
 would else move no energy at first, nor a body that passes half of one. Without gravity nothing of this is computed.
 
-Sums are taken column by column and added without rounding (math.fsum), so that the error of the volume tells what the
-method loses and not how it was counted.
+Sums are taken column by column, and those of the volume added without rounding (math.fsum), so that its error tells
+what the method loses and not how it was counted.
 """
 
 from __future__ import annotations
@@ -163,7 +163,8 @@ def total(
     team.run_uneven(
         sum_columns, columns, grid, *opened, at, flow.F, *flow.velocity, *where, g, least, sums, momenta
     )  # fmt: skip
-    volume, kinetic, potential, wet = (math.fsum(column) for column in sums.T.tolist())
+    volume = math.fsum(sums[:, 0].tolist())
+    kinetic, potential, wet = sums[:, 1:].sum(axis=0).tolist()
     if momentum is not None:
         momentum[:] = rho * momenta.sum(axis=0)
     return Totals(volume, rho * kinetic, rho * potential, int(wet))

@@ -20,7 +20,7 @@ from typing import Protocol
 import numpy as np
 
 from flowgmo.flow.boundary import Sides
-from flowgmo.flow.columns import all_columns, cells_in, clear_left, columns_where, widen
+from flowgmo.flow.columns import all_columns, cells_in, clear_left, columns_among, widen
 from flowgmo.flow.fields import G, Grid, Open
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.pressure.conjugate_gradients import ConjugateGradients, Solved, dots
@@ -167,21 +167,20 @@ class Projector:
         self.exits = Exits(self.grid, self.openings, self.sides, self.sealed.label)
 
     def set_surface(self, F: np.ndarray | None, *, lasting: bool = False) -> None:
-        """Fit the coefficients of faces to where the liquid is. F with ghosts filled; lasting: planes that are known of
-        it hold still."""
+        """Fit the coefficients to where the liquid is. F with ghosts filled; lasting: known planes of it hold still."""
         run, m, before = self.team.run, self.matrix, self.matrix.faces
         if not lasting:
             self.planes.forget()
         if F is not None:
             self.planes.find(self.team, F, self.openings)
         run(clear, before, self.wet)
-        near = self.every if F is None else columns_where(F, HALF)
+        near = self.every if F is None else columns_among(self.planes.columns, F, HALF)
         if F is not None and self.openings.V is not None:  # cells that a solid cuts beside the liquid
             near = widen(near, 1, self.q.shape, self.ends)
         counts = np.zeros(len(near), np.int32)
         openings, at = self.openings, self.planes.at
         self.team.run_uneven(mark_liquid, near, F, openings.V, openings, at, self.voids.closed, self.wet, counts)
-        m.columns = columns_where(self.wet, 0)
+        m.columns = columns_among(near, self.wet, 0)
         m.faces = widen(m.columns, 1, self.q.shape, self.ends)
         if F is not None:
             self.voids.find(near, counts, F, self.wet)
