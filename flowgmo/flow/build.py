@@ -112,6 +112,7 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
     columns = all_columns(liquid.shape)
     of = liquid.team, columns, liquid.grid, liquid.openings, flow, model.fluid.rho, liquid.gravity, DUST
     whole = total(*of, planes=liquid.planes)
+    liquid.forget_planes()  # what begins may still be given another F
     flow.start_volume, flow.start_energy = whole.volume, whole.kinetic + whole.potential
     return flow
 

@@ -108,7 +108,7 @@ class Liquid:
     def renew(self, cells: np.ndarray | None = None) -> None:
         """The open fractions have changed, of cells (n, 3) [in C order] and their lower faces, or (None) anywhere:
         sort faces and regions anew."""
-        self._forget_planes()
+        self.forget_planes()
         self.team.run_rows(_do, [self.momentum.sort_faces, self.projector.renew], 1, cells)
         self.momentum.renew(cells)
 
@@ -118,7 +118,8 @@ class Liquid:
         no side gives what lies beyond it."""
         return self.immersed is None and not any(plan.kind in (PRESSURE, VELOCITY) for plan in self.sides.plans)
 
-    def _forget_planes(self) -> None:
+    def forget_planes(self) -> None:
+        """F or the open fractions are others than those that planes were found for."""
         if self.planes is not None:
             self.planes.forget()
 
@@ -163,7 +164,7 @@ class Liquid:
     def store(self, flow: Flow, dt: float) -> None:
         """Make the new values the state's, and the state's old arrays scratch."""
         self._found = None
-        self._forget_planes()
+        self.forget_planes()
         old = flow.velocity
         flow.u, flow.v, flow.w = self.predicted
         self.predicted, self.held = old, self.held[::-1]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flowgmo.flow.columns import all_columns, clear_left, columns_under, columns_where, tabulate, widen
+from flowgmo.flow.columns import all_columns, clear_left, columns_among, columns_under, columns_where, tabulate, widen
 from flowgmo.flow.fields import G
 from flowgmo.flow.momentum.prediction import fill
 from flowgmo.flow.team import REMEMBERED, Team
@@ -94,3 +94,13 @@ def test_an_error_of_any_thread_is_raised_and_the_team_works_on():
     a = np.zeros((54, 54, 54))
     team.run(fill, columns, 2.0, a)
     assert a.max() == 2.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_columns_among_wider_ones_are_those_of_all_cells(seed):
+    """Also where the wider ones begin in the ghosts, as those of the liquid do."""
+    a = marked(seed, 0.1)
+    wider = all_columns(a.shape) + np.array([0, 0, -1, 1], np.int32)
+    beyond = np.array([[1, 3, 1, 4], [a.shape[0] - 2, 2, 2, 3]], np.int32)
+    among = columns_among(np.concatenate([beyond, wider]), a, 0.5)
+    assert np.array_equal(among, columns_where(a, 0.5))

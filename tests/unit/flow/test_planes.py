@@ -1,0 +1,84 @@
+"""Planes that are kept for one F: those that every cell's own neighbours give, and not those of another F."""
+
+import numpy as np
+from flowgmo_wet_runs import start
+from liquid_scenes import NO_SOLIDS, even, fractions, mesh
+
+from flowgmo.flow import stages
+from flowgmo.flow.liquid import Liquid
+from flowgmo.flow.surface.planes import Planes
+from flowgmo.flow.surface.surface_normals import find_planes, steps_of
+from flowgmo.flow.team import Team
+
+MIXED = (1e-12, 1 - 1e-6)
+
+DAM = """Water runs against a block that does not fit the mesh
+ &xput
+  remark='SI units', twfin=1.0, delt=0.002, itb=1, ifvisc=0, gz=-9.81,
+ /
+ &limits
+ /
+ &props
+  units='si', rhof=1000.0,
+ /
+ &bcdata
+  ibct(1)=2, ibct(2)=2, ibct(3)=2, ibct(4)=2, ibct(5)=2, ibct(6)=2,
+ /
+ &mesh
+  px(1)=0.0, px(2)=1.0, nxcelt=20, py(1)=0.0, py(2)=0.5, nycelt=10, pz(1)=0.0, pz(2)=0.6, nzcelt=12,
+ /
+ &obs
+  nobs=1, obsid(1)='block', iob(1)=1, xl(1)=0.52, xh(1)=0.67, yl(1)=0.13, yh(1)=0.38, zl(1)=0.0, zh(1)=0.17,
+ /
+ &fl
+  nfls=1, fxh(1)=0.42, fzh(1)=0.41,
+ /
+"""
+
+
+def plane_scene():
+    block, grid, _ = mesh(even(8), even(6), even(7))
+    return grid, fractions(block, lambda x, y, z: 0.3 * x - 0.2 * y + z < 0.5)
+
+
+def test_planes_are_those_of_find_planes_until_they_are_forgotten():
+    grid, F = plane_scene()
+    planes, team = Planes(grid), Team(1)
+    planes.find(team, F, NO_SOLIDS)
+    assert planes.are_of(F) and not planes.are_of(F.copy())
+    mixed = (F > MIXED[0]) & (F < MIXED[1])
+    before = planes.at.copy()
+    F[mixed] *= 0.5
+    planes.find(team, F, NO_SOLIDS)  # known: nothing is done
+    assert np.array_equal(planes.at, before)
+    planes.forget()
+    planes.find(team, F, NO_SOLIDS)
+    own = np.zeros_like(planes.at)
+    find_planes(planes.columns, 0, len(planes.columns), F, None, NO_SOLIDS, steps_of(grid), own)
+    mixed = (F > MIXED[0]) & (F < MIXED[1])
+    mixed[[0, -1]] = mixed[:, [0, -1]] = mixed[:, :, [0, -1]] = False  # the outermost ghosts have none
+    assert mixed.any() and np.array_equal(planes.at[mixed], own[mixed]) and np.any(planes.at[mixed] != before[mixed])
+
+
+def run(steps):
+    liquid, flow, first = start(DAM)
+    t = 0.0
+    for n in range(steps):
+        dt = liquid.longest_step(flow, first)
+        stages.predict(liquid, flow, t + dt, dt)
+        stages.project(liquid, flow, dt)
+        stages.move_liquid(liquid, flow, dt, n)
+        liquid.store(flow, dt)
+        liquid.planes.find(liquid.team, flow.F, liquid.openings)  # as the energies at the end of a step do
+        t += dt
+    return liquid, flow
+
+
+def test_planes_that_are_kept_change_no_bit(monkeypatch):
+    """From the end of a step over the pressure to the first sweep of the next."""
+    liquid, kept = run(12)
+    assert liquid.planes_last
+    monkeypatch.setattr(Liquid, "planes_last", False)
+    _, anew = run(12)
+    for a, b in zip((*kept.velocity, kept.p, kept.F), (*anew.velocity, anew.p, anew.F), strict=True):
+        assert np.array_equal(a, b)
