@@ -1,16 +1,14 @@
 """Planes that are kept for one F: those that every cell's own neighbours give, and not those of another F."""
 
 import numpy as np
-from flowgmo_wet_runs import start
+from flowgmo_wet_runs import advance, start
 from liquid_scenes import NO_SOLIDS, even, fractions, mesh
 
-from flowgmo.flow import stages
 from flowgmo.flow.liquid import Liquid
 from flowgmo.flow.surface.planes import Planes
+from flowgmo.flow.surface.plic import EMPTY, FULL
 from flowgmo.flow.surface.surface_normals import find_planes, steps_of
 from flowgmo.flow.team import Team
-
-MIXED = (1e-12, 1 - 1e-6)
 
 DAM = """Water runs against a block that does not fit the mesh
  &xput
@@ -41,12 +39,16 @@ def plane_scene():
     return grid, fractions(block, lambda x, y, z: 0.3 * x - 0.2 * y + z < 0.5)
 
 
+def mixed_cells(F):
+    return (F > EMPTY) & (F < FULL)
+
+
 def test_planes_are_those_of_find_planes_until_they_are_forgotten():
     grid, F = plane_scene()
     planes, team = Planes(grid), Team(1)
     planes.find(team, F, NO_SOLIDS)
     assert planes.are_of(F) and not planes.are_of(F.copy())
-    mixed = (F > MIXED[0]) & (F < MIXED[1])
+    mixed = mixed_cells(F)
     before = planes.at.copy()
     F[mixed] *= 0.5
     planes.find(team, F, NO_SOLIDS)  # known: nothing is done
@@ -55,28 +57,21 @@ def test_planes_are_those_of_find_planes_until_they_are_forgotten():
     planes.find(team, F, NO_SOLIDS)
     own = np.zeros_like(planes.at)
     find_planes(planes.columns, 0, len(planes.columns), F, None, NO_SOLIDS, steps_of(grid), own)
-    mixed = (F > MIXED[0]) & (F < MIXED[1])
+    mixed = mixed_cells(F)
     mixed[[0, -1]] = mixed[:, [0, -1]] = mixed[:, :, [0, -1]] = False  # the outermost ghosts have none
     assert mixed.any() and np.array_equal(planes.at[mixed], own[mixed]) and np.any(planes.at[mixed] != before[mixed])
 
 
 def run(steps):
     liquid, flow, first = start(DAM)
-    t = 0.0
-    for n in range(steps):
-        dt = liquid.longest_step(flow, first)
-        stages.predict(liquid, flow, t + dt, dt)
-        stages.project(liquid, flow, dt)
-        stages.move_liquid(liquid, flow, dt, n)
-        liquid.store(flow, dt)
-        liquid.planes.find(liquid.team, flow.F, liquid.openings)  # as the energies at the end of a step do
-        t += dt
+    args = liquid.team, liquid.openings
+    advance(liquid, flow, first, most=steps, each=lambda t, flow: liquid.planes.find(args[0], flow.F, args[1]))
     return liquid, flow
 
 
 def test_planes_that_are_kept_change_no_bit(monkeypatch):
     """From the end of a step over the pressure to the first sweep of the next."""
-    liquid, kept = run(12)
+    liquid, kept = run(12)  # each step's end asks for them, as the energies do
     assert liquid.planes_last
     monkeypatch.setattr(Liquid, "planes_last", False)
     _, anew = run(12)
