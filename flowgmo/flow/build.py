@@ -35,6 +35,8 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
     liquid = Liquid(plan, grid, openings, sides, model.gravity, threads, solids.open)
     for body, share in zip(fixed, solids.shares, strict=False):
         liquid.walls[body.number] = (share.cells, share.faces)
+    if liquid.planes is not None:
+        liquid.planes.still = covers is None
     if covers is not None:
         centres = [np.pad(0.5 * (x[1:] + x[:-1]), G, mode="edge") for x in block.planes]
         covers.share(liquid.team)

@@ -108,7 +108,8 @@ class Liquid:
     def renew(self, cells: np.ndarray | None = None) -> None:
         """The open fractions have changed, of cells (n, 3) [in C order] and their lower faces, or (None) anywhere:
         sort faces and regions anew."""
-        self.forget_planes()
+        if self.planes is not None:
+            self.planes.renew()
         self.team.run_rows(_do, [self.momentum.sort_faces, self.projector.renew], 1, cells)
         self.momentum.renew(cells)
 

@@ -12,19 +12,21 @@ import numpy as np
 
 from flowgmo.flow.fields import Grid, Open
 from flowgmo.flow.surface.liquid_sweep import wet_columns
-from flowgmo.flow.surface.surface_normals import find_planes, steps_of
+from flowgmo.flow.surface.surface_normals import find_planes, find_planes_at_solids, steps_of
 from flowgmo.flow.team import Team
 
 
 class Planes:
     """at (mesh, 4): m and alpha (plic.py) of mixed cells, in others nothing that counts. columns (n, 4): of the cells
-    that hold liquid when `find` was last called, the first layer of ghosts among them. 32 bytes per cell."""
+    that hold liquid when `find` was last called, the first layer of ghosts among them. still: the solids never
+    move, so that lines beside them are looked for once. 32 bytes per cell."""
 
     def __init__(self, grid: Grid) -> None:
         shape = tuple(len(d) for d in grid[:3])
         self.at, self.steps = np.zeros((*shape, 4)), steps_of(grid)
         self.columns, self._bounds = np.zeros((0, 4), np.int32), np.zeros((*shape[:2], 2), np.int32)
         self._known: np.ndarray | None = None
+        self.still, self._lines = False, None
 
     def find(self, team: Team, F: np.ndarray, opened: Open) -> None:
         """Of all liquid; F [-] with ghosts filled. Nothing is done where they are known."""
@@ -36,7 +38,13 @@ class Planes:
     def find_in(self, team: Team, columns: np.ndarray, F: np.ndarray, opened: Open) -> None:
         """Of the columns' cells, whatever is known; nothing is known of F after."""
         self._known = None
-        team.run_uneven(find_planes, columns, F, opened.V, opened, self.steps, self.at)
+        V = opened.V
+        if self._lines is None:
+            looked = self.still and V is not None
+            self._lines = _lines_near(V) if looked else np.ones(self.at.shape[:2], np.int8)
+        team.run_uneven(find_planes, columns, F, V, self.steps, self._lines, self.at)
+        if V is not None:
+            team.run_uneven(find_planes_at_solids, columns, F, opened, self.steps, self._lines, self.at)
 
     def are_of(self, F: np.ndarray) -> bool:
         """Whether they were found for this F, and nothing has been forgotten since."""
@@ -45,3 +53,14 @@ class Planes:
     def forget(self) -> None:
         """F or the open fractions are others now."""
         self._known = None
+
+    def renew(self) -> None:
+        """The open fractions are others now."""
+        self._known = self._lines = None
+
+
+def _lines_near(V: np.ndarray) -> np.ndarray:
+    """(mesh without z) int8: 1 in the lines along z that have a cut or closed cell, or one beside them."""
+    cut = np.pad((V < 1.0).any(axis=2), 1)
+    found = [cut[i : i + V.shape[0], j : j + V.shape[1]] for i in range(3) for j in range(3)]
+    return np.any(found, axis=0).astype(np.int8)

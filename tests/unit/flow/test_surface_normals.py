@@ -6,7 +6,8 @@ from liquid_scenes import NO_SOLIDS, even, fractions, graded, half_space, mesh
 
 from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import Grid
-from flowgmo.flow.surface.surface_normals import find_planes, steps_of
+from flowgmo.flow.surface.planes import Planes
+from flowgmo.flow.team import Team
 
 OBLIQUE = {
     "wall leaning out": ((0.8, 0.13, -0.35), 0.31),
@@ -22,10 +23,9 @@ OBLIQUE = {
 
 
 def planes_of(F, grid, opened=NO_SOLIDS):
-    out = np.zeros((*F.shape, 4))
-    columns = all_columns(F.shape)
-    find_planes(columns, 0, len(columns), F, opened.V, opened, steps_of(grid), out)
-    return out
+    planes = Planes(grid)
+    planes.find_in(Team(1), all_columns(F.shape), F, opened)
+    return planes.at
 
 
 def mixed_cells(F):
