@@ -47,7 +47,9 @@ class Friction:
     ) -> None:  # fmt: skip
         self.walls, self.speeds, self.U0, self.W, self.dt = walls, speeds, U0, W, dt
         self.K = np.array([self._resistance(one) for one in walls]).reshape(-1, 6, 6) + spins
-        self.inverse = np.linalg.inv(np.eye(6) + dt * W @ self.K)
+        scale = self._scale()  # in units of the bodies, so that the pivots are the same in all units
+        own = np.eye(6) + dt * W @ self.K
+        self.inverse = np.linalg.inv(scale[:, :, None] * own / scale[:, None]) * scale[:, None] / scale[:, :, None]
         self.U = U0.copy()
         self.pulls, self.slid, self.stages = np.zeros_like(U0), np.zeros_like(U0), 0
         self.loads = np.zeros_like(U0)
