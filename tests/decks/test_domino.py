@@ -48,8 +48,8 @@ BETWEEN = "87.4 (deviation 2.6): the floor answers between two hits of the same 
 )
 def test_elastic(multiple, runs):
     # VALIDATION C: 82.5 +- 3 cm/s where contacts of an instant are equally stiff or follow one another, as the mean of
-    # at least six pushes: one push scatters by 3. Measured: simultaneous 85.2 (82.3). More than 3 would reveal a floor that
-    # answers within the impact of two blocks (91.5), or a push that is not forgotten.
+    # at least six pushes: one push scatters by 3. Measured: simultaneous 85.2 (82.3). More than 3 would reveal a floor
+    # that answers within the impact of two blocks (91.5), or a push that is not forgotten.
     pushes = _pushes_module(runs.measure.DECKS)
     assert len(pushes.SPINS) >= 6
     speeds = []
