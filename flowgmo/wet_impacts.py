@@ -38,7 +38,7 @@ ASTRAY = 0.01  # of a cell: farther from where the pressure took it to be a body
 FAR = 0.1  # of a cell: the same for one that was not, whose contacts turned out to be others than those foreseen
 AFTER = 1.01  # of the time to an impact: a step ends so far behind it, since a shorter step moves it a little
 CLOSE = 0.995  # a step that should be this share of itself, or more, ends where it should: else tries had no end
-SOFT = 4.0  # of what a step's load makes of velocities: impacts no faster are its work (wet_blows.py)
+SOFT = 4.0  # of what a step's load makes of velocities: impacts no faster are its work (wet_blows.py); a choice
 LEAST = 0.1  # of a step that an impact shortens: it is tried again as often as it takes
 SHORTEST = 0.05  # of a step that nothing has shortened: shorter ones are not cut again for an impact
 
@@ -98,6 +98,8 @@ class WetImpacts:
         then["v"][wet[which]], then["w"][wet[which]] = U[which, :3], U[which, 3:]
         gained = dict(zip(of.movers, of.ways.speeds(then["v"] - motion["v"], then["w"] - motion["w"]), strict=True))
         soft = np.zeros(len(wet), bool)
+        if world.collisions is None:
+            return soft
         for _, pairs, approach in meetings(world, state, then, of.coupled, t1):
             if approach <= SOFT * sum(gained.get(b, 0.0) for b in np.unique(pairs)):
                 soft |= np.isin(wet, pairs)

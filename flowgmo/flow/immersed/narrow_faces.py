@@ -53,7 +53,7 @@ from flowgmo.flow.immersed.crossings import wall_speeds
 from flowgmo.kernel import kernel
 
 NARROW = 0.01  # of a face
-SLIT = 0.1  # of a face: wider ones have the surface where it is
+SLIT = 0.1  # of a face: wider ones have the surface where it is; a choice
 
 
 @kernel
