@@ -1,9 +1,19 @@
 """How long a step may be: every term brings its own limit.
 
-flow       sum over directions |u| dt / dx <= CON, and along each <= .45 where CON > 1/2. In a cell that a solid cuts,
-           of A |u| / V, which is what the split moves, if that is less; there momentum is advected upwind
-           (cut_advection.py), which is stable to 1, so that half of the speeds bounds the step. What the split asks
-           for is 1/2, in the worst case: a longer step that met it is tried again, shorter (stages.py)
+flow       CON over the largest of, in any cell that holds liquid,
+
+               1/2 sum over its faces of |u| / dx            momentum: no new extrema up to 1/2 (advection.py)
+               max over its faces of |u| / dx
+               sum of what comes in / (2 max(F, 1 - F))      the split of the liquid's advection: F <= 1 up to 1/2
+
+           In a stream that goes straight on all but the last are the sum over directions of |u| / dx; where it is
+           stopped and turned aside, each face counts half, since what goes out came in. The last is the bound of
+           Weymouth & Yue (2010) for one cell: with F <= 1/2 its liquid stays, F + what comes in <= 1, and with F > 1/2
+           the void does, (1 - F) + what comes in <= 1. With CON > 1/2 the flow along each direction is held to .45, and
+           a step in which the last was not kept and more met than a cell holds is tried again, shorter (stages.py).
+           In a cell that a solid cuts: sum over directions of the larger face's A |u| / V, which is what the split
+           moves, if that is less than |u|; there momentum is advected upwind (cut_advection.py), which is stable to 1,
+           so that half of the speeds bounds the step
 surface    waves of two cells' length turn by at most one radian a step: sqrt(pi g / dx) dt <= CONFS. The surface is
            moved with the velocities that the pressure of the surface gave; that is stable to two radians
 viscosity  explicit only (viscosity.py)
@@ -42,9 +52,16 @@ def _flow_rates(grid, opened, u, v, w, i, j, k):
     return x, y, z
 
 
+@inner
+def _sides(low, high, per):
+    """Of two opposite faces, per length: half the sum of the speeds; the larger one; what comes in."""
+    below, above = abs(low), abs(high)
+    return 0.5 * (below + above) * per, max(below, above) * per, (max(low, 0.0) + max(-high, 0.0)) * per
+
+
 @flow_kernel
 def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rates):
-    """rates[c] (2,) [1/time] at which the liquid (F > least) crosses the columns' cells: summed, along one direction.
+    """rates[c] (2,) [1/time] at which the liquid (F > least) crosses the columns' cells: in all, along one direction.
 
     The largest of the columns. per_z: 1 / grid.dz. V: opened.V, told apart so that nothing of solids is compiled where
     it is None.
@@ -55,19 +72,27 @@ def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rat
         per_x, per_y = 1.0 / grid.dx[i], 1.0 / grid.dy[j]
         summed, along = 0.0, 0.0
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            x, y, z, counts = 0.0, 0.0, 0.0, 1.0
+            half, most, comes, larger = 0.0, 0.0, 0.0, 0.0
             if u is not None:
-                x = max(abs(u[i - 1, j, k]), abs(u[i, j, k])) * per_x
+                h, m, n = _sides(u[i - 1, j, k], u[i, j, k], per_x)
+                half, most, comes, larger = half + h, max(most, m), comes + n, larger + m
             if v is not None:
-                y = max(abs(v[i, j - 1, k]), abs(v[i, j, k])) * per_y
+                h, m, n = _sides(v[i, j - 1, k], v[i, j, k], per_y)
+                half, most, comes, larger = half + h, max(most, m), comes + n, larger + m
             if w is not None:
-                z = max(abs(w[i, j, k - ONE]), abs(w[i, j, k])) * per_z[k]
+                h, m, n = _sides(w[i, j, k - ONE], w[i, j, k], per_z[k])
+                half, most, comes, larger = half + h, max(most, m), comes + n, larger + m
+            rate = max(half, most)
             if F is not None:
-                counts = 1.0 if F[i, j, k] > least else 0.0
+                rate = max(rate, comes * (0.5 / max(F[i, j, k], 1.0 - F[i, j, k])))
+                rate = rate if F[i, j, k] > least else 0.0
+                most = most if F[i, j, k] > least else 0.0
+                larger = larger if F[i, j, k] > least else 0.0
             if V is not None:
-                counts *= 1.0 if V[i, j, k] >= 1.0 else AT_A_CUT
-            summed = max(summed, counts * (x + y + z))
-            along = max(along, counts * max(x, max(y, z)))
+                rate = rate if V[i, j, k] >= 1.0 else AT_A_CUT * larger
+                most *= 1.0 if V[i, j, k] >= 1.0 else AT_A_CUT
+            summed = max(summed, rate)
+            along = max(along, most)
         if V is not None:
             for k in range(columns[c, 2], columns[c, 3]):
                 if 0.0 < V[i, j, k] < 1.0:
@@ -88,7 +113,7 @@ def courant_rate(
     least: float,
     velocity: list,
 ) -> tuple[float, float]:
-    """The largest rates [1/time] at which liquid (F > least) crosses a cell: summed over directions, along one."""
+    """The largest rates [1/time] at which liquid (F > least) crosses a cell: in all, along one direction; see above."""
     rates = np.zeros((len(columns), 2))
     team.run(fastest, columns, grid, 1.0 / grid.dz, opened.V, opened, F, least, *velocity, rates)
     summed, along = rates.max(axis=0, initial=0.0).tolist()
