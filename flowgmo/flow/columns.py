@@ -41,7 +41,10 @@ def columns_where(marked, lowest):
 
 @kernel
 def columns_among(columns, marked, lowest):
-    """The same of real cells that given columns hold, some of which may be ghosts: where no others can be marked."""
+    """The same of real cells that given columns hold, some of which may be ghosts: where no others can be marked.
+
+    From both ends of each column to the first marked cell: most are marked.
+    """
     nx, ny, nz = marked.shape
     out = np.empty((len(columns), 4), np.int32)
     n = np.int64(0)
@@ -50,16 +53,16 @@ def columns_among(columns, marked, lowest):
         j = columns[c, 1]
         if i < G or i >= nx - G or j < G or j >= ny - G:
             continue
-        bottom, top = np.int64(nz), np.int64(-1)
-        for k in range(max(columns[c, 2], G), min(columns[c, 3], nz - G)):
-            found = marked[i, j, k] > lowest
-            bottom = min(bottom, k if found else nz)
-            top = max(top, k if found else -1)
-        if top >= 0:
+        bottom, top = max(np.int64(columns[c, 2]), G), min(np.int64(columns[c, 3]), nz - G)
+        while bottom < top and not marked[i, j, bottom] > lowest:
+            bottom += 1
+        while bottom < top and not marked[i, j, top - 1] > lowest:
+            top -= 1
+        if bottom < top:
             out[n, 0] = i
             out[n, 1] = j
             out[n, 2] = bottom
-            out[n, 3] = top + 1
+            out[n, 3] = top
             n += 1
     return out[:n].copy()
 
@@ -68,7 +71,8 @@ def columns_among(columns, marked, lowest):
 def widen(columns, by, shape, out):
     """Columns that also hold all cells within `by` cells (in each direction) of the given ones.
 
-    shape (3,) of the arrays with ghosts; out (shape[0], shape[1], 2) int32 scratch. Real cells only.
+    shape (3,) of the arrays with ghosts; out (shape[0], shape[1], 2) int32: [i, j] becomes (k0, k1), k1 <= k0 where
+    there is none. Real cells only.
     """
     return _widened(columns, by, shape, np.int64(G), out)
 
@@ -81,22 +85,39 @@ def widen_beyond(columns, by, shape, out):
 
 @inner
 def _widened(columns, by, shape, border, out):
-    """As `widen`, of all cells but `border` layers at each side."""
+    """As `widen`, of all cells but `border` layers at each side.
+
+    A table of (-k0, k1) makes both ends a largest value, along j and then along i.
+    """
     nx, ny, nz = shape
+    along, across = np.empty((nx, 2 * ny), np.int32), out.reshape((nx, 2 * ny))
     for i in range(nx):
-        for j in range(ny):
-            out[i, j, 0] = nz
-            out[i, j, 1] = 0
+        for m in range(0, 2 * ny, 2):
+            across[i, m] = -nz
+            across[i, m + 1] = 0
     for c in range(columns.shape[0]):
-        for i in range(max(columns[c, 0] - by, border), min(columns[c, 0] + by + 1, nx - border)):
-            for j in range(max(columns[c, 1] - by, border), min(columns[c, 1] + by + 1, ny - border)):
-                out[i, j, 0] = min(out[i, j, 0], max(columns[c, 2] - by, border))
-                out[i, j, 1] = max(out[i, j, 1], min(columns[c, 3] + by, nz - border))
+        across[columns[c, 0], 2 * columns[c, 1]] = -max(columns[c, 2] - by, border)
+        across[columns[c, 0], 2 * columns[c, 1] + 1] = min(columns[c, 3] + by, nz - border)
+    for i in range(nx):
+        for m in range(2 * ny):
+            along[i, m] = across[i, m]
+        for step in range(2, 2 * by + 1, 2):
+            for m in range(2 * ny - step):
+                along[i, m] = max(along[i, m], across[i, m + step])
+            for m in range(step, 2 * ny):
+                along[i, m] = max(along[i, m], across[i, m - step])
     n = np.int64(0)
     for i in range(nx):
-        for j in range(ny):
-            if out[i, j, 0] < out[i, j, 1]:
-                n += 1
+        inside = border <= i and i < nx - border
+        for m in range(0, 2 * ny, 2):
+            across[i, m] = -nz
+            across[i, m + 1] = 0
+        for near in range(max(i - by, 0), min(i + by + 1, nx) if inside else 0):
+            for m in range(2 * border, 2 * (ny - border)):
+                across[i, m] = max(across[i, m], along[near, m])
+        for m in range(0, 2 * ny, 2):
+            across[i, m] *= -1
+            n += across[i, m] < across[i, m + 1]
     wide = np.empty((n, 4), np.int32)
     n = np.int64(0)
     for i in range(nx):

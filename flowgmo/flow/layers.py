@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.fields import G
-from flowgmo.kernel import kernel
+from flowgmo.kernel import inner, kernel
 
 Layers = list[tuple[int, int, int, float]]  # rows and factors of `fill_layers`
 
@@ -74,12 +74,30 @@ def fill_layers(a, rows, factors):
     """One after the other: layer `to` along d becomes factor times layer `source`, or factor where that is SET.
 
     rows (n, 3) int64: d, to, source; factors (n,). All layers of an array in one call: many calls cost more than these.
+    Those along z that follow one another are done line by line: each cell of such a layer is in another line of memory.
     """
-    for n in range(len(rows)):
-        if rows[n, 2] == SET:
+    n = 0
+    while n < len(rows):
+        end = n + 1
+        if rows[n, 0] == 2:
+            while end < len(rows) and rows[end, 0] == 2:
+                end += 1
+            _fill_lines(a, rows[n:end], factors[n:end])
+        elif rows[n, 2] == SET:
             set_layer(a, rows[n, 0], rows[n, 1], factors[n])
         else:
             copy_layer(a, rows[n, 0], rows[n, 1], rows[n, 2], factors[n])
+        n = end
+
+
+@inner
+def _fill_lines(a, rows, factors):
+    """fill_layers along z."""
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            for n in range(len(rows)):
+                to, source = rows[n, 1], rows[n, 2]
+                a[i, j, to] = factors[n] if source == SET else factors[n] * a[i, j, source]
 
 
 def as_arguments(layers: Layers) -> tuple[np.ndarray, np.ndarray]:

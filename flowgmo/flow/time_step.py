@@ -61,7 +61,7 @@ def _sides(low, high, per):
 
 @flow_kernel
 def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rates):
-    """rates[c] (2,) [1/time] at which the liquid (F > least) crosses the columns' cells: in all, along one direction.
+    """rates[:, c] [1/time] at which the liquid (F > least) crosses the columns' cells: in all, along one direction.
 
     The largest of the columns. per_z: 1 / grid.dz. V: opened.V, told apart so that nothing of solids is compiled where
     it is None.
@@ -100,8 +100,8 @@ def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rat
                         x, y, z = _flow_rates(grid, opened, u, v, w, i, j, k)
                         summed = max(summed, x + y + z)
                         along = max(along, max(x, max(y, z)))
-        rates[c, 0] = summed
-        rates[c, 1] = along
+        rates[0, c] = summed
+        rates[1, c] = along
 
 
 def courant_rate(
@@ -114,9 +114,9 @@ def courant_rate(
     velocity: list,
 ) -> tuple[float, float]:
     """The largest rates [1/time] at which liquid (F > least) crosses a cell: in all, along one direction; see above."""
-    rates = np.zeros((len(columns), 2))
+    rates = np.zeros((2, len(columns)))
     team.run(fastest, columns, grid, 1.0 / grid.dz, opened.V, opened, F, least, *velocity, rates)
-    summed, along = rates.max(axis=0, initial=0.0).tolist()
+    summed, along = rates.max(axis=1, initial=0.0).tolist()
     return summed, along
 
 

@@ -67,7 +67,7 @@ def sweep(columns, first, last, kind, own, A, one, two, dt, F, V, flux, heavy):
 
 @flow_kernel
 def through_sides(columns, first, last, d, n, flux, grid, through):
-    """through (columns, 2) [length^3]: liquid that came in by the lower and upper side of direction d, n cells long.
+    """through (2, columns) [length^3]: liquid that came in by the lower and upper side of direction d, n cells long.
 
     flux [length] on the faces of that direction.
     """
@@ -87,7 +87,7 @@ def through_sides(columns, first, last, d, n, flux, grid, through):
                     low += area * (flux[i - 1, j, k] if d == 0 else flux[i, j - 1, k])
                 if place == n + G - 1:
                     high -= area * flux[i, j, k]
-        through[c, 0], through[c, 1] = low, high
+        through[0, c], through[1, c] = low, high
 
 
 @kernel

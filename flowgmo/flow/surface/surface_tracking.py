@@ -159,10 +159,10 @@ def _sweep(
 
 def _passed(team: Team, tracking: Tracking, wet: np.ndarray, d: int) -> np.ndarray:
     """(2,) [length^3]: liquid that came in through the lower and upper side of direction d."""
-    through = np.empty((len(wet), 2))
+    through = np.empty((2, len(wet)))
     n = tracking.flux.shape[d] - 4  # two ghost layers at each end
     team.run(through_sides, wet, d, n, tracking.flux, tracking.grid, through)
-    return through.sum(axis=0)
+    return through.sum(axis=1)
 
 
 def _settle(

@@ -45,6 +45,24 @@ def test_wider_columns_hold_every_neighbour_and_no_ghost():
     assert not wide.any()
 
 
+@pytest.mark.parametrize("by", [1, 2])
+@pytest.mark.parametrize("seed", range(4))
+def test_wider_columns_reach_no_further_than_asked(by, seed):
+    """One by one: each line holds what the lines within reach hold, so many cells longer, in real cells."""
+    columns, ends = columns_where(marked(seed, 0.04), 0.5), np.ones((*SHAPE[:2], 2), np.int32)
+    expected = np.zeros((*SHAPE[:2], 2), int)
+    expected[..., 0] = 99
+    for i, j, k0, k1 in columns:
+        for m in range(max(i - by, G), min(i + by + 1, SHAPE[0] - G)):
+            for n in range(max(j - by, G), min(j + by + 1, SHAPE[1] - G)):
+                expected[m, n, 0] = min(expected[m, n, 0], max(k0 - by, G))
+                expected[m, n, 1] = max(expected[m, n, 1], min(k1 + by, SHAPE[2] - G))
+    wide = widen(columns, by, SHAPE, ends)
+    there = expected[..., 0] < expected[..., 1]
+    assert np.array_equal(wide[:, :2], np.argwhere(there)) and np.array_equal(wide[:, 2:], expected[there])
+    assert np.array_equal(ends[there], expected[there]) and (ends[~there][:, 0] >= ends[~there][:, 1]).all()
+
+
 def test_coarse_columns_hold_all_fine_cells():
     columns = columns_where(marked(3), 0.5)
     ends = np.full(((SHAPE[0] - 2 * G + 1) // 2 + 2 * G, SHAPE[1] - 2 * G + 2 * G, 2), 99, np.int32)
