@@ -53,10 +53,36 @@ def _flow_rates(grid, opened, u, v, w, i, j, k):
 
 
 @inner
-def _sides(low, high, per):
-    """Of two opposite faces, per length: half the sum of the speeds; the larger one; what comes in."""
-    below, above = abs(low), abs(high)
-    return 0.5 * (below + above) * per, max(below, above) * per, (max(low, 0.0) + max(-high, 0.0)) * per
+def _both(low, high, per):
+    """The sum of the speeds through two opposite faces, per length."""
+    return (abs(low) + abs(high)) * per
+
+
+@inner
+def _larger(low, high, per):
+    return max(abs(low), abs(high)) * per
+
+
+@inner
+def _comes(low, high, per):
+    """What comes in through two opposite faces, per length."""
+    return (max(low, 0.0) + max(-high, 0.0)) * per
+
+
+@inner
+def _whole_cell(u, v, w, per_x, per_y, per_z, i, j, k):
+    """Of a cell: the largest speed through a face, the sum of the larger ones, what comes in, per length."""
+    x, y, z, comes = 0.0, 0.0, 0.0, 0.0
+    if u is not None:
+        x = _larger(u[i - 1, j, k], u[i, j, k], per_x)
+        comes += _comes(u[i - 1, j, k], u[i, j, k], per_x)
+    if v is not None:
+        y = _larger(v[i, j - 1, k], v[i, j, k], per_y)
+        comes += _comes(v[i, j - 1, k], v[i, j, k], per_y)
+    if w is not None:
+        z = _larger(w[i, j, k - ONE], w[i, j, k], per_z)
+        comes += _comes(w[i, j, k - ONE], w[i, j, k], per_z)
+    return max(x, max(y, z)), x + y + z, comes
 
 
 @flow_kernel
@@ -64,7 +90,7 @@ def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rat
     """rates[:, c] [1/time] at which the liquid (F > least) crosses the columns' cells: in all, along one direction.
 
     The largest of the columns. per_z: 1 / grid.dz. V: opened.V, told apart so that nothing of solids is compiled where
-    it is None.
+    it is None. No rate of a cell is more than the sum over its faces, which passes by most cells.
     """
     for c in range(first, last):
         i = columns[c, 0]
@@ -72,25 +98,25 @@ def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rat
         per_x, per_y = 1.0 / grid.dx[i], 1.0 / grid.dy[j]
         summed, along = 0.0, 0.0
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            half, most, comes, larger = 0.0, 0.0, 0.0, 0.0
+            both = 0.0
             if u is not None:
-                h, m, n = _sides(u[i - 1, j, k], u[i, j, k], per_x)
-                half, most, comes, larger = half + h, max(most, m), comes + n, larger + m
+                both += _both(u[i - 1, j, k], u[i, j, k], per_x)
             if v is not None:
-                h, m, n = _sides(v[i, j - 1, k], v[i, j, k], per_y)
-                half, most, comes, larger = half + h, max(most, m), comes + n, larger + m
+                both += _both(v[i, j - 1, k], v[i, j, k], per_y)
             if w is not None:
-                h, m, n = _sides(w[i, j, k - ONE], w[i, j, k], per_z[k])
-                half, most, comes, larger = half + h, max(most, m), comes + n, larger + m
-            rate = max(half, most)
+                both += _both(w[i, j, k - ONE], w[i, j, k], per_z[k])
+            if both <= min(summed, along):
+                continue
+            if F is not None:
+                if not F[i, j, k] > least:
+                    continue
+            most, larger, comes = _whole_cell(u, v, w, per_x, per_y, per_z[k], i, j, k)
+            rate = max(0.5 * both, most)
             if F is not None:
                 rate = max(rate, comes * (0.5 / max(F[i, j, k], 1.0 - F[i, j, k])))
-                rate = rate if F[i, j, k] > least else 0.0
-                most = most if F[i, j, k] > least else 0.0
-                larger = larger if F[i, j, k] > least else 0.0
             if V is not None:
-                rate = rate if V[i, j, k] >= 1.0 else AT_A_CUT * larger
-                most *= 1.0 if V[i, j, k] >= 1.0 else AT_A_CUT
+                if V[i, j, k] < 1.0:
+                    rate, most = AT_A_CUT * larger, AT_A_CUT * most
             summed = max(summed, rate)
             along = max(along, most)
         if V is not None:

@@ -33,16 +33,14 @@ def residual(columns, first, last, x, right, bx, by, bz, diagonal, r):
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            t = 0.0
-            if diagonal[i, j, k] != 0.0:
-                t = right[i, j, k] - diagonal[i, j, k] * x[i, j, k]
-                if bx is not None:
-                    t += bx[i - 1, j, k] * x[i - 1, j, k] + bx[i, j, k] * x[i + 1, j, k]
-                if by is not None:
-                    t += by[i, j - 1, k] * x[i, j - 1, k] + by[i, j, k] * x[i, j + 1, k]
-                if bz is not None:
-                    t += bz[i, j, k - ONE] * x[i, j, k - ONE] + bz[i, j, k] * x[i, j, k + ONE]
-            r[i, j, k] = t
+            t = right[i, j, k] - diagonal[i, j, k] * x[i, j, k]
+            if bx is not None:
+                t += bx[i - 1, j, k] * x[i - 1, j, k] + bx[i, j, k] * x[i + 1, j, k]
+            if by is not None:
+                t += by[i, j - 1, k] * x[i, j - 1, k] + by[i, j, k] * x[i, j + 1, k]
+            if bz is not None:
+                t += bz[i, j, k - ONE] * x[i, j, k - ONE] + bz[i, j, k] * x[i, j, k + ONE]
+            r[i, j, k] = t if diagonal[i, j, k] != 0.0 else 0.0
 
 
 @flow_kernel

@@ -64,11 +64,11 @@ def push(columns, first, last, b, area_x, area_y, area_z, A, q, step, u):
         j = columns[c, 1]
         S = area_x[i] * area_y[j]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            if b[i, j, k] > 0.0:
-                area = S * area_z[k]
-                if A is not None:
-                    area *= A[i, j, k]
-                u[i, j, k] -= (q[i + m, j + n, k + o] - q[i, j, k]) * b[i, j, k] / area
+            area = S * area_z[k]
+            if A is not None:
+                area *= A[i, j, k]
+            gained = (q[i, j, k] - q[i + m, j + n, k + o]) * b[i, j, k] / area
+            u[i, j, k] += gained if b[i, j, k] > 0.0 else 0.0
 
 
 @flow_kernel

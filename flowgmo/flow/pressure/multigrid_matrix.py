@@ -44,17 +44,16 @@ def held_shares(columns, first, last, bx, by, bz, diagonal, surface):
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
             total = np.float32(0.0)
-            if diagonal[i, j, k] != 0.0:
-                if bx is not None:
-                    total += bx[i - 1, j, k] if diagonal[i - 1, j, k] == 0.0 else np.float32(0.0)
-                    total += bx[i, j, k] if diagonal[i + 1, j, k] == 0.0 else np.float32(0.0)
-                if by is not None:
-                    total += by[i, j - 1, k] if diagonal[i, j - 1, k] == 0.0 else np.float32(0.0)
-                    total += by[i, j, k] if diagonal[i, j + 1, k] == 0.0 else np.float32(0.0)
-                if bz is not None:
-                    total += bz[i, j, k - ONE] if diagonal[i, j, k - ONE] == 0.0 else np.float32(0.0)
-                    total += bz[i, j, k] if diagonal[i, j, k + ONE] == 0.0 else np.float32(0.0)
-            surface[i, j, k] = total
+            if bx is not None:
+                total += bx[i - 1, j, k] if diagonal[i - 1, j, k] == 0.0 else np.float32(0.0)
+                total += bx[i, j, k] if diagonal[i + 1, j, k] == 0.0 else np.float32(0.0)
+            if by is not None:
+                total += by[i, j - 1, k] if diagonal[i, j - 1, k] == 0.0 else np.float32(0.0)
+                total += by[i, j, k] if diagonal[i, j + 1, k] == 0.0 else np.float32(0.0)
+            if bz is not None:
+                total += bz[i, j, k - ONE] if diagonal[i, j, k - ONE] == 0.0 else np.float32(0.0)
+                total += bz[i, j, k] if diagonal[i, j, k + ONE] == 0.0 else np.float32(0.0)
+            surface[i, j, k] = total if diagonal[i, j, k] != 0.0 else np.float32(0.0)
 
 
 @flow_kernel

@@ -108,16 +108,15 @@ def diagonals(columns, first, last, grid, V, wet, bx, by, bz, give, diagonal):
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
             total = 0.0
-            if wet[i, j, k] != 0:
-                if bx is not None:
-                    total += bx[i - 1, j, k] + bx[i, j, k]
-                if by is not None:
-                    total += by[i, j - 1, k] + by[i, j, k]
-                if bz is not None:
-                    total += bz[i, j, k - ONE] + bz[i, j, k]
-                if give is not None:
-                    total += give * open_volume(grid, V, i, j, k)
-            diagonal[i, j, k] = total
+            if bx is not None:
+                total += bx[i - 1, j, k] + bx[i, j, k]
+            if by is not None:
+                total += by[i, j - 1, k] + by[i, j, k]
+            if bz is not None:
+                total += bz[i, j, k - ONE] + bz[i, j, k]
+            if give is not None:
+                total += give * open_volume(grid, V, i, j, k)
+            diagonal[i, j, k] = total if wet[i, j, k] != 0 else 0.0
 
 
 @flow_kernel
