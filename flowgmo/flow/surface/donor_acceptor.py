@@ -22,7 +22,7 @@ from flowgmo.kernel import flow_kernel, inner
 
 
 @flow_kernel
-def donor_acceptor_flux(columns, first, last, own, dt, F, V, opened, planes, flux):
+def donor_acceptor_flux(columns, first, last, own, dt, F, V, opened, planes, lines, flux):
     """flux [length] of the upper faces of the columns and of the domain's lower sides beside them; see plic_flux."""
     d, q, A, across, along = own.way.d, own.q, own.A, own.way.across, own.way.along
     for c in range(first, last):

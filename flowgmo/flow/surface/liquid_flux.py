@@ -22,10 +22,11 @@ DROP = 1e-2  # [-] F of a cell below which it may be a drop in the air, see is_d
 
 
 @flow_kernel
-def plic_flux(columns, first, last, own, dt, F, V, opened, planes, flux):
+def plic_flux(columns, first, last, own, dt, F, V, opened, planes, lines, flux):
     """flux [length] of the upper faces of the columns, and of the domain's lower sides beside them.
 
-    own Carrier, F [-] with ghosts, V opened.V, opened Open, planes (mesh, 4) of F (planes.py), flux (mesh) on faces.
+    own Carrier, F [-] with ghosts, V opened.V, opened Open, planes (mesh, 4) of F and lines as of
+    planes.py, flux (mesh) on faces.
     """
     d, q, A, across, along = own.way.d, own.q, own.A, own.way.across, own.way.along
     for c in range(first, last):
@@ -42,7 +43,7 @@ def plic_flux(columns, first, last, own, dt, F, V, opened, planes, flux):
                 low, high = (1.0 - thick, 1.0) if q[a, b, k] > 0.0 else (0.0, thick)
                 solid, drop, share = False, is_drop(F, e, f, g), F[e, f, g]
                 if V is not None:
-                    if near_solids(V, e, f, g):
+                    if lines[e, f] != 0 and near_solids(V, e, f, g):
                         solid = True
                         if not drop:
                             share = _share_at_solids(F, V, opened, planes, e, f, g, d, low, high)

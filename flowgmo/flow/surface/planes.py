@@ -18,15 +18,16 @@ from flowgmo.flow.team import Team
 
 class Planes:
     """at (mesh, 4): m and alpha (plic.py) of mixed cells, in others nothing that counts. columns (n, 4): of the cells
-    that hold liquid when `find` was last called, the first layer of ghosts among them. still: the solids never
-    move, so that lines beside them are looked for once. 32 bytes per cell."""
+    that hold liquid when `find` was last called, the first layer of ghosts among them. lines (mesh without z) int8: 0
+    where no cell of the 3 x 3 lines around is cut, so that V need not be read; None until planes were found. still:
+    the solids never move, so that these are looked for once. 32 bytes per cell."""
 
     def __init__(self, grid: Grid) -> None:
         shape = tuple(len(d) for d in grid[:3])
         self.at, self.steps = np.zeros((*shape, 4)), steps_of(grid)
         self.columns, self._bounds = np.zeros((0, 4), np.int32), np.zeros((*shape[:2], 2), np.int32)
         self._known: np.ndarray | None = None
-        self.still, self._lines = False, None
+        self.still, self.lines = False, None
 
     def find(self, team: Team, F: np.ndarray, opened: Open) -> None:
         """Of all liquid; F [-] with ghosts filled. Nothing is done where they are known."""
@@ -39,12 +40,12 @@ class Planes:
         """Of the columns' cells, whatever is known; nothing is known of F after."""
         self._known = None
         V = opened.V
-        if self._lines is None:
+        if self.lines is None:
             looked = self.still and V is not None
-            self._lines = _lines_near(V) if looked else np.ones(self.at.shape[:2], np.int8)
-        team.run_uneven(find_planes, columns, F, V, self.steps, self._lines, self.at)
+            self.lines = _lines_near(V) if looked else np.ones(self.at.shape[:2], np.int8)
+        team.run_uneven(find_planes, columns, F, V, self.steps, self.lines, self.at)
         if V is not None:
-            team.run_uneven(find_planes_at_solids, columns, F, opened, self.steps, self._lines, self.at)
+            team.run_uneven(find_planes_at_solids, columns, F, opened, self.steps, self.lines, self.at)
 
     def are_of(self, F: np.ndarray) -> bool:
         """Whether they were found for this F, and nothing has been forgotten since."""
@@ -56,7 +57,7 @@ class Planes:
 
     def renew(self) -> None:
         """The open fractions are others now."""
-        self._known = self._lines = None
+        self._known = self.lines = None
 
 
 def _lines_near(V: np.ndarray) -> np.ndarray:

@@ -129,7 +129,8 @@ def move_liquid(
             fill(F)
             if tracking.carry is plic_flux:
                 planes.find_in(team, reached, F, opened)
-        team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, planes.at, tracking.flux)
+        found = planes.at, planes.lines
+        team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, *found, tracking.flux)
         _sweep(team, tracking, wet, order, at, F, opened.V, dt)
         d = carrier.way.d
         entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
