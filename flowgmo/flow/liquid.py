@@ -42,8 +42,8 @@ CARRY = {"plic": plic_flux, "donor": donor_acceptor_flux}
 class Rates(NamedTuple):
     """How fast the liquid crosses cells [1/time].
 
-    summed: largest sum over directions; dt times this is the Courant number. bounding: the same, and with a CON above
-    MOST_COURANT the larger of the largest along one direction and of the sums by their own weight.
+    summed: largest of a cell (time_step.py); dt times this is the Courant number. bounding: the same, and with a CON
+    above MOST_COURANT the larger of the largest along one direction and of the sums by their own weight.
     """
 
     summed: float
@@ -101,7 +101,7 @@ class Liquid:
         self.regains = self.momentum.operators is None  # steps go on from what was allowed before an impact cut one:
         # not with viscosity, where friction and films are guessed from the pressure of the last step
         self.limiting = ""
-        self.courant = 0.0  # of the step just made, summed over directions
+        self.courant = 0.0  # of the step just made (Rates.summed)
         self.stride = 0.0  # its length in that of the longest that the liquid's velocities allow
         self.tally = Tally()
 

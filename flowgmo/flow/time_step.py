@@ -2,18 +2,18 @@
 
 flow       CON over the largest of, in any cell that holds liquid,
 
-               1/2 sum over its faces of |u| / dx            momentum: no new extrema up to 1/2 (advection.py)
+               sum of what comes in, and sum of what goes out, per length
                max over its faces of |u| / dx
-               sum of what comes in / (2 max(F, 1 - F))      the split of the liquid's advection: F <= 1 up to 1/2
 
-           In a stream that goes straight on all but the last are the sum over directions of |u| / dx; where it is
-           stopped and turned aside, each face counts half, since what goes out came in. The last is the bound of
-           Weymouth & Yue (2010) for one cell: with F <= 1/2 its liquid stays, F + what comes in <= 1, and with F > 1/2
-           the void does, (1 - F) + what comes in <= 1. With CON > 1/2 the flow along each direction is held to .45, and
-           a step in which the last was not kept and more met than a cell holds is tried again, shorter (stages.py).
-           In a cell that a solid cuts: sum over directions of the larger face's A |u| / V, which is what the split
-           moves, if that is less than |u|; there momentum is advected upwind (cut_advection.py), which is stable to 1,
-           so that half of the speeds bounds the step
+           In a stream that goes straight on the sums are that over directions of |u| / dx; where it is stopped and
+           turned aside they are less. While both are 1/2 at most no new extremum of velocity arises (advection.py),
+           and the split of the liquid's advection is bounded (Weymouth & Yue 2010): with F <= 1/2 a cell's liquid stays
+           in the stretching, with F > 1/2 its void does, and what comes is added. What goes out bounds what an empty
+           cell may get from several. With CON > 1/2 the flow along each direction is held to .45, and a step in which
+           more met than a cell holds is tried again, shorter (stages.py). In a cell that a solid cuts: sum over
+           directions of the larger face's A |u| / V, which is what the split moves, if that is less than |u|; there
+           momentum is advected upwind (cut_advection.py), which is stable to 1, so that half of the speeds bounds the
+           step
 surface    waves of two cells' length turn by at most one radian a step: sqrt(pi g / dx) dt <= CONFS. The surface is
            moved with the velocities that the pressure of the surface gave; that is stable to two radians
 viscosity  explicit only (viscosity.py)
@@ -87,7 +87,7 @@ def _whole_cell(u, v, w, per_x, per_y, per_z, i, j, k):
 
 @flow_kernel
 def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rates):
-    """rates[:, c] [1/time] at which the liquid (F > least) crosses the columns' cells: in all, along one direction.
+    """rates[:, c] [1/time] at which liquid (F > least) crosses the columns' cells: in all, along one direction.
 
     The largest of the columns. per_z: 1 / grid.dz. V: opened.V, told apart so that nothing of solids is compiled where
     it is None. No rate of a cell is more than the sum over its faces, which passes by most cells.
@@ -111,9 +111,7 @@ def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rat
                 if not F[i, j, k] > least:
                     continue
             most, larger, comes = _whole_cell(u, v, w, per_x, per_y, per_z[k], i, j, k)
-            rate = max(0.5 * both, most)
-            if F is not None:
-                rate = max(rate, comes * (0.5 / max(F[i, j, k], 1.0 - F[i, j, k])))
+            rate = max(most, max(comes, both - comes))
             if V is not None:
                 if V[i, j, k] < 1.0:
                     rate, most = AT_A_CUT * larger, AT_A_CUT * most
@@ -139,7 +137,7 @@ def courant_rate(
     least: float,
     velocity: list,
 ) -> tuple[float, float]:
-    """The largest rates [1/time] at which liquid (F > least) crosses a cell: in all, along one direction; see above."""
+    """The largest rates [1/time] at which liquid (F > least) crosses a cell, see above: in all, along one direction."""
     rates = np.zeros((2, len(columns)))
     team.run(fastest, columns, grid, 1.0 / grid.dz, opened.V, opened, F, least, *velocity, rates)
     summed, along = rates.max(axis=1, initial=0.0).tolist()
