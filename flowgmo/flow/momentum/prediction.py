@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.kernel import flow_kernel
 
 
@@ -23,6 +24,11 @@ from flowgmo.kernel import flow_kernel
 def accelerate(columns, first, last, A, u, a, dt, out):
     """out = u + dt a on the columns' upper faces; 0 where they are closed."""
     for c in range(first, last):
+        if A is not None:
+            ask_ahead(columns, c, last, A, 0, 0)
+        ask_ahead(columns, c, last, u, 0, 0)
+        ask_ahead(columns, c, last, a, 0, 0)
+        ask_ahead(columns, c, last, out, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
