@@ -22,6 +22,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
+from flowgmo.flow.columns import ONE
+from flowgmo.flow.face_bits import LAST, NO_BIT, first_bit, start_of, words_of
 from flowgmo.flow.fields import G
 from flowgmo.flow.pressure.projection import Projector, scale_liquid
 from flowgmo.flow.pressure.thin_cells import ease_between
@@ -43,6 +46,31 @@ def _alone(q, p, factor, b, area, A, low, h, pull, own, upper):
     return out * min(max(inside * b[own] / area, -most), most)
 
 
+@inner
+def _at_surface(b, areas, A, V, q, wet, step, p, factor, h, pull, low, i, j, k):
+    """What a face at the surface gains: the gradient of the face behind, or as _alone; low: the own cell is liquid."""
+    di, dj, dk = step
+    n = q.shape[0] * di + q.shape[1] * dj + q.shape[2] * dk
+    e, f, g = i, j, k
+    at = i * di + j * dj + k * dk
+    if G <= at < n - G - 1:
+        s = np.int64(-1 if low else 1)
+        behind = b[i + s * di, j + s * dj, k + s * dk] > 0.0
+        cell = np.int64(-1 if low else 2)
+        if not (behind and wet[i + cell * di, j + cell * dj, k + cell * dk] != 0):
+            area = areas[0][i] * areas[1][j] * areas[2][k]
+            return _alone(q, p, factor, b, area, A, low, h[at], pull, (i, j, k), (i + di, j + dj, k + dk))
+        e, f, g = i + s * di, j + s * dj, k + s * dk
+    area = areas[0][e] * areas[1][f] * areas[2][g]
+    if A is not None:
+        area *= A[e, f, g]
+    gained = (q[e, f, g] - q[e + di, f + dj, g + dk]) * b[e, f, g] / area
+    if V is not None:
+        if e != i or f != j or g != k:
+            gained /= ease_between(V[e, f, g], V[e + di, f + dj, g + dk], A[e, f, g])
+    return gained
+
+
 @flow_kernel
 def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet, d, p, factor, h, pull, u):
     """u -= (q_upper - q_lower) b / (A S) on the upper faces along d with b > 0, at the surface as above.
@@ -50,46 +78,36 @@ def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet
     p: of the last step, factor p = q where it was liquid; h (n,) [length]: distances of centres along d; pull
     [length/time]: |g| dt along d.
     """
-    di = np.int64(d == 0)
-    dj = np.int64(d == 1)
-    dk = np.int64(d == 2)
-    n = q.shape[d]
+    step = np.int64(d == 0), np.int64(d == 1), np.int64(d == 2)
+    di, dj, dk = step
+    up = np.uint64(dk)
     for c in range(first, last):
         i = np.int64(columns[c, 0])
         j = np.int64(columns[c, 1])
+        k0, k1 = np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
         S = area_x[i] * area_y[j]
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):  # amid liquid: without a branch
-            plain = (wet[i, j, k] != 0) == (wet[i + di, j + dj, k + np.uint64(dk)] != 0)
-            area = S * area_z[k]
-            if A is not None:
-                area *= A[i, j, k]
-            gained = (q[i, j, k] - q[i + di, j + dj, k + np.uint64(dk)]) * b[i, j, k] / area
-            u[i, j, k] += gained if plain and b[i, j, k] > 0.0 else 0.0
-        for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
-            low = wet[i, j, k] != 0
-            if low == (wet[i + di, j + dj, k + dk] != 0) or not b[i, j, k] > 0.0:
-                continue
-            e, f, g = i, j, k
-            at = i * di + j * dj + k * dk
-            if G <= at < n - G - 1:
-                s = np.int64(-1 if low else 1)
-                behind = b[i + s * di, j + s * dj, k + s * dk] > 0.0
-                cell = np.int64(-1 if low else 2)
-                if not (behind and wet[i + cell * di, j + cell * dj, k + cell * dk] != 0):
-                    area = area_x[i] * area_y[j] * area_z[k]
-                    u[i, j, k] += _alone(
-                        q, p, factor, b, area, A, low, h[at], pull, (i, j, k), (i + di, j + dj, k + dk)
-                    )
-                    continue
-                e, f, g = i + s * di, j + s * dj, k + s * dk
-            area = area_x[e] * area_y[f] * area_z[g]
-            if A is not None:
-                area *= A[e, f, g]
-            gained = (q[e, f, g] - q[e + di, f + dj, g + dk]) * b[e, f, g] / area
-            if V is not None:
-                if e != i or f != j or g != k:
-                    gained /= ease_between(V[e, f, g], V[e + di, f + dj, g + dk], A[e, f, g])
-            u[i, j, k] += gained
+        ask_ahead(columns, c, last, q, di, dj)
+        ask_ahead(columns, c, last, b, 0, 0)
+        ask_ahead(columns, c, last, u, 0, 0)
+        if A is not None:
+            ask_ahead(columns, c, last, A, 0, 0)
+        for word in range(*words_of(k0, k1)):
+            start, surface = start_of(word), NO_BIT
+            for k in range(max(k0, start), min(k1, start + LAST + ONE)):  # amid liquid: without a branch
+                plain = (wet[i, j, k] != 0) == (wet[i + di, j + dj, k + up] != 0)
+                area = S * area_z[k]
+                if A is not None:
+                    area *= A[i, j, k]
+                gained = (q[i, j, k] - q[i + di, j + dj, k + up]) * b[i, j, k] / area
+                held = b[i, j, k] > 0.0
+                u[i, j, k] += gained if plain & held else 0.0
+                surface |= ONE << (k - start) if held & (not plain) else NO_BIT
+            while surface != NO_BIT:
+                k = start + first_bit(surface)
+                surface &= surface - ONE
+                low = wet[i, j, k] != 0
+                areas = area_x, area_y, area_z
+                u[i, j, k] += _at_surface(b, areas, A, V, q, wet, step, p, factor, h, pull, low, i, j, np.int64(k))
 
 
 def push_by_last_pressure(projector: Projector, p: np.ndarray, dt: float, velocity: list) -> None:
