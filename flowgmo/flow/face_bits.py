@@ -30,7 +30,7 @@ def make_bits(shape: tuple[int, int, int]) -> np.ndarray:
 @inner
 def words_of(k0, k1):
     """(first, last) of the words that hold the faces k0 <= k < k1; range(first, last)."""
-    return (np.uint64(k0) >> SHIFT) + ONE, (np.uint64(k1 - 1) >> SHIFT) + ONE + ONE
+    return (np.uint64(k0) >> SHIFT) + ONE, ((np.uint64(k1) - ONE) >> SHIFT) + ONE + ONE
 
 
 @inner
@@ -43,7 +43,7 @@ def start_of(word):
 def within(word, k0, k1):
     """Bits of a word that are faces k0 <= k < k1, of which it holds at least one."""
     start = start_of(word)
-    low, high = max(np.uint64(k0), start) - start, min(np.uint64(k1 - 1), start + LAST) - start
+    low, high = max(np.uint64(k0), start) - start, min(np.uint64(k1) - ONE, start + LAST) - start
     return (ALL << low) & (ALL >> (LAST - high))
 
 

@@ -24,12 +24,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
+from flowgmo.flow.columns import ONE
+from flowgmo.flow.face_bits import LAST, NO_BIT, first_bit, start_of, words_of
 from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.observe.places_of_liquid import lean
 from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.plic import is_mixed
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel, inner
+
+NO = np.uint64(0)  # no step along a direction; unsigned as ONE
 
 
 class Totals(NamedTuple):
@@ -67,6 +72,41 @@ def mean_of_faces(a, A, i, j, k, m, n, o):
     return 0.5 * (below + above)
 
 
+@inner
+def _ask_for_faces(columns, c, last, u, A):
+    """Ask ahead for velocities and open areas of the columns' upper faces."""
+    if u is not None:
+        ask_ahead(columns, c, last, u, 0, 0)
+        if A is not None:
+            ask_ahead(columns, c, last, A, 0, 0)
+
+
+@inner
+def _wet_part(F, i, j, k0, k1):
+    """(k0, k1) of the cells of a column with F other than 0, dust and negative remainders among them; k0 = k1: none."""
+    if F is None:
+        return np.uint64(k0), np.uint64(k1)
+    low, high = np.uint64(k1), np.uint64(k0)
+    for k in range(np.uint64(k0), np.uint64(k1)):  # without an early end: the loop vectorises
+        there = F[i, j, k] != 0.0
+        low = min(low, k if there else low)
+        high = max(high, k + ONE if there else high)
+    return min(low, high), high
+
+
+@inner
+def _leaning(cut, start, grid, opened, V, planes, F, g, i, j):
+    """What the potential energy of mixed and cut cells, bits of a word from cell `start` on, is less than that of their
+    centres: / rho, and by area."""
+    total = 0.0
+    while cut != NO_BIT:
+        k = np.int64(start + first_bit(cut))
+        cut &= cut - ONE
+        weights = (g[0] * grid.dx[i], g[1] * grid.dy[j], g[2] * grid.dz[k])
+        total += grid.dz[k] * lean(F, V, opened, planes, i, j, k, weights)
+    return total
+
+
 @flow_kernel
 def sum_columns(columns, first, last, grid, opened, V, planes, F, u, v, w, hx, hy, hz, g, least, sums, momenta):
     """sums[c] = volume, its kinetic and potential energy / rho, and the cells with F > least, of each column; momenta
@@ -77,42 +117,47 @@ def sum_columns(columns, first, last, grid, opened, V, planes, F, u, v, w, hx, h
     without gravity.
     """
     for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        volume = 0.0
-        kinetic = 0.0
-        potential = 0.0
-        wet = 0.0
+        i = np.uint64(columns[c, 0])
+        j = np.uint64(columns[c, 1])
+        _ask_for_faces(columns, c, last, u, opened.Ax)
+        _ask_for_faces(columns, c, last, v, opened.Ay)
+        _ask_for_faces(columns, c, last, w, opened.Az)
+        if V is not None:
+            ask_ahead(columns, c, last, V, 0, 0)
+        if F is not None:
+            ask_ahead(columns, c, last, F, 0, 0)
+        volume, kinetic, potential, wet = 0.0, 0.0, 0.0, 0.0
         mx, my, mz = 0.0, 0.0, 0.0
-        for k in range(columns[c, 2], columns[c, 3]):
-            part = grid.dz[k]
-            cut = False
-            if V is not None:
-                part *= V[i, j, k]
-                cut = V[i, j, k] < 1.0
-            if F is not None:
-                if F[i, j, k] == 0.0:
-                    continue
-                part *= F[i, j, k]
-                cut = cut or is_mixed(F[i, j, k])
+        k0, k1 = _wet_part(F, i, j, columns[c, 2], columns[c, 3])
+        for word in range(*words_of(k0, k1)):
+            start, cut = start_of(word), NO_BIT
+            for k in range(max(k0, start), min(k1, start + LAST + ONE)):  # without branches: few are foreseen
+                part = grid.dz[k]
+                apart = False
+                if V is not None:
+                    part *= V[i, j, k]
+                    apart = V[i, j, k] < 1.0
+                if F is not None:
+                    part *= F[i, j, k]
+                    apart = apart | is_mixed(F[i, j, k])
+                if hx is not None:
+                    potential += part * (hx[i] + hy[j] + hz[k])
+                    cut |= ONE << (k - start) if apart & (part > 0.0) else NO_BIT
+                square = mean_square(u, opened.Ax, i, j, k, ONE, NO, NO)
+                square += mean_square(v, opened.Ay, i, j, k, NO, ONE, NO)
+                square += mean_square(w, opened.Az, i, j, k, NO, NO, ONE)
+                volume += part
+                kinetic += 0.5 * part * square
+                if momenta is not None:
+                    mx += part * mean_of_faces(u, opened.Ax, i, j, k, ONE, NO, NO)
+                    my += part * mean_of_faces(v, opened.Ay, i, j, k, NO, ONE, NO)
+                    mz += part * mean_of_faces(w, opened.Az, i, j, k, NO, NO, ONE)
+                counted = part > 0.0
+                if F is not None:
+                    counted = counted & (F[i, j, k] > least)
+                wet += 1.0 if counted else 0.0
             if hx is not None:
-                potential += part * (hx[i] + hy[j] + hz[k])
-                if cut and part > 0.0:
-                    weights = (g[0] * grid.dx[i], g[1] * grid.dy[j], g[2] * grid.dz[k])
-                    potential -= grid.dz[k] * lean(F, V, opened, planes, i, j, k, weights)
-            square = mean_square(u, opened.Ax, i, j, k, 1, 0, 0)
-            square += mean_square(v, opened.Ay, i, j, k, 0, 1, 0)
-            square += mean_square(w, opened.Az, i, j, k, 0, 0, 1)
-            volume += part
-            kinetic += 0.5 * part * square
-            if momenta is not None:
-                mx += part * mean_of_faces(u, opened.Ax, i, j, k, 1, 0, 0)
-                my += part * mean_of_faces(v, opened.Ay, i, j, k, 0, 1, 0)
-                mz += part * mean_of_faces(w, opened.Az, i, j, k, 0, 0, 1)
-            if F is None:
-                wet += 1.0 if part > 0.0 else 0.0
-            else:
-                wet += 1.0 if F[i, j, k] > least and part > 0.0 else 0.0
+                potential -= _leaning(cut, start, grid, opened, V, planes, F, g, np.int64(i), np.int64(j))
         area = grid.dx[i] * grid.dy[j]
         sums[c, 0] = area * volume
         sums[c, 1] = area * kinetic
