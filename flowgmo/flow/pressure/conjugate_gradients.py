@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.layers import join_cells
@@ -47,6 +48,12 @@ def residual(columns, first, last, x, right, bx, by, bz, diagonal, r):
 def product(columns, first, last, d, bx, by, bz, diagonal, q, sums):
     """q = A d in liquid cells (d is 0 elsewhere); sums[c] = d . q of each column."""
     for c in range(first, last):
+        ask_ahead(columns, c, last, d, 1, 0)
+        ask_ahead(columns, c, last, bx, 0, 0)
+        ask_ahead(columns, c, last, by, 0, 0)
+        ask_ahead(columns, c, last, bz, 0, 0)
+        ask_ahead(columns, c, last, diagonal, 0, 0)
+        ask_ahead(columns, c, last, q, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
@@ -68,6 +75,11 @@ def product(columns, first, last, d, bx, by, bz, diagonal, q, sums):
 def advance(columns, first, last, alpha, d, q, x, r, scale, target, weight_x, weight_y, weight_z, worst):
     """x += alpha d, r -= alpha q, then hand r over."""
     for c in range(first, last):
+        ask_ahead(columns, c, last, d, 0, 0)
+        ask_ahead(columns, c, last, q, 0, 0)
+        ask_ahead(columns, c, last, x, 0, 0)
+        ask_ahead(columns, c, last, r, 0, 0)
+        ask_ahead(columns, c, last, target, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
@@ -104,6 +116,9 @@ def hand_over(columns, first, last, r, scale, target, weight_x, weight_y, weight
 def dots(columns, first, last, z, r, q, sums):
     """sums[:, c] = (z . r, z . q) of each column."""
     for c in range(first, last):
+        ask_ahead(columns, c, last, z, 0, 0)
+        ask_ahead(columns, c, last, r, 0, 0)
+        ask_ahead(columns, c, last, q, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         one = 0.0
@@ -119,6 +134,8 @@ def dots(columns, first, last, z, r, q, sums):
 def turn(columns, first, last, beta, z, d):
     """d = z + beta d."""
     for c in range(first, last):
+        ask_ahead(columns, c, last, z, 0, 0)
+        ask_ahead(columns, c, last, d, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
