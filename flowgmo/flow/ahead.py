@@ -42,7 +42,12 @@ def _ask_for(typing: Any, a: Any, i: Any, j: Any, k: Any) -> tuple:
 
 @inner
 def ask_ahead(columns, c, last, a, m, n):
-    """Ask for a (mesh) in the column AHEAD of column c, of those before `last`, or in the line (m, n) beside it."""
+    """Ask for a (mesh) in the column AHEAD of column c, of those before `last`, or in the line (m, n) beside it.
+
+    Nothing where a is None.
+    """
+    if a is None:
+        return
     to = min(c + AHEAD, last - 1)
     i, j = np.int64(columns[to, 0]) + m, np.int64(columns[to, 1]) + n
     for k in range(np.int64(columns[to, 2]), np.int64(columns[to, 3]) + LINE - 1, LINE):

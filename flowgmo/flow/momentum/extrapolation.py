@@ -111,8 +111,7 @@ def mark_faces(columns, first, last, b, A, F, step, side, least, held, closed, f
         k0, k1 = np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
         ask_ahead(columns, c, last, F, p, q)
         ask_ahead(columns, c, last, b, 0, 0)
-        if A is not None:
-            ask_ahead(columns, c, last, A, 0, 0)
+        ask_ahead(columns, c, last, A, 0, 0)
         shut_side = NO_BIT if r != 0 or i * p + j * q != side else ALL
         for word in range(*words_of(k0, k1)):
             start = start_of(word)

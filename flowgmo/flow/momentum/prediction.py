@@ -24,8 +24,7 @@ from flowgmo.kernel import flow_kernel
 def accelerate(columns, first, last, A, u, a, dt, out):
     """out = u + dt a on the columns' upper faces; 0 where they are closed."""
     for c in range(first, last):
-        if A is not None:
-            ask_ahead(columns, c, last, A, 0, 0)
+        ask_ahead(columns, c, last, A, 0, 0)
         ask_ahead(columns, c, last, u, 0, 0)
         ask_ahead(columns, c, last, a, 0, 0)
         ask_ahead(columns, c, last, out, 0, 0)

@@ -77,8 +77,7 @@ def _ask_for_faces(columns, c, last, u, A):
     """Ask ahead for velocities and open areas of the columns' upper faces."""
     if u is not None:
         ask_ahead(columns, c, last, u, 0, 0)
-        if A is not None:
-            ask_ahead(columns, c, last, A, 0, 0)
+        ask_ahead(columns, c, last, A, 0, 0)
 
 
 @inner
@@ -122,10 +121,8 @@ def sum_columns(columns, first, last, grid, opened, V, planes, F, u, v, w, hx, h
         _ask_for_faces(columns, c, last, u, opened.Ax)
         _ask_for_faces(columns, c, last, v, opened.Ay)
         _ask_for_faces(columns, c, last, w, opened.Az)
-        if V is not None:
-            ask_ahead(columns, c, last, V, 0, 0)
-        if F is not None:
-            ask_ahead(columns, c, last, F, 0, 0)
+        ask_ahead(columns, c, last, V, 0, 0)
+        ask_ahead(columns, c, last, F, 0, 0)
         volume, kinetic, potential, wet = 0.0, 0.0, 0.0, 0.0
         mx, my, mz = 0.0, 0.0, 0.0
         k0, k1 = _wet_part(F, i, j, columns[c, 2], columns[c, 3])

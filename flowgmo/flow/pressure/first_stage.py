@@ -89,8 +89,7 @@ def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet
         ask_ahead(columns, c, last, q, di, dj)
         ask_ahead(columns, c, last, b, 0, 0)
         ask_ahead(columns, c, last, u, 0, 0)
-        if A is not None:
-            ask_ahead(columns, c, last, A, 0, 0)
+        ask_ahead(columns, c, last, A, 0, 0)
         for word in range(*words_of(k0, k1)):
             start, surface = start_of(word), NO_BIT
             for k in range(max(k0, start), min(k1, start + LAST + ONE)):  # amid liquid: without a branch
