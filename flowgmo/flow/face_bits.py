@@ -9,8 +9,12 @@ at the others: `first_bit` of what is left, then take it away.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numba.cpython.unsafe.numbers import trailing_zeros as first_bit  # place of the lowest bit that is set
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
 
 from flowgmo.flow.columns import ONE
 from flowgmo.kernel import inner
@@ -18,7 +22,15 @@ from flowgmo.kernel import inner
 SHIFT, LAST = np.uint64(6), np.uint64(63)  # 2^6 faces in a word, the place of its last one
 NO_BIT, ALL = np.uint64(0), np.uint64(2**64 - 1)
 
-__all__ = ["ALL", "LAST", "NO_BIT", "first_bit", "make_bits", "start_of", "window", "within", "words_of"]
+
+@intrinsic
+def first_bit(typing: Any, word: Any) -> tuple:
+    """Place (0 to 63) of the lowest bit that is set in a word, which is not 0: llvm.cttz."""
+
+    def emit(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return builder.cttz(values[0], ir.IntType(1)(1))
+
+    return types.uint64(types.uint64), emit
 
 
 def make_bits(shape: tuple[int, int, int]) -> np.ndarray:

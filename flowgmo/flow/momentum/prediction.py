@@ -52,6 +52,7 @@ def fill(columns, first, last, value, out):
 def add(columns, first, last, value, out):
     """out += value in the columns' cells."""
     for c in range(first, last):
+        ask_ahead(columns, c, last, out, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):

@@ -44,11 +44,26 @@ GAUSS = 0.5 / np.sqrt(3.0)  # of a piece: the two points on either side of its m
 
 
 @inner
-def _piece(across, alpha, n, low, high):
-    """Integral of h A(h) over low < h < high, between edges; A(h): area of across . xi <= alpha - n h."""
+def area_under(small, large, c):
+    """Share [0, 1] of the unit square with small x + large y <= c, to round-off; 0 <= small <= large."""
+    if c <= 0.0:
+        return 0.0
+    if c >= small + large:
+        return 1.0
+    if c <= small:
+        return c * c / (2.0 * small * large)
+    if c <= large:
+        return (c - 0.5 * small) / large
+    left = small + large - c
+    return 1.0 - left * left / (2.0 * small * large)
+
+
+@inner
+def _piece(small, large, c, n, low, high):
+    """Integral of h A(h) over low < h < high, between edges; A(h): area of small x + large y <= c - n h."""
     mid, off = 0.5 * (low + high), GAUSS * (high - low)
     a, b = mid - off, mid + off
-    return 0.5 * (high - low) * (a * volume_under(across, alpha - n * a) + b * volume_under(across, alpha - n * b))
+    return 0.5 * (high - low) * (a * area_under(small, large, c - n * a) + b * area_under(small, large, c - n * b))
 
 
 @inner
@@ -59,20 +74,19 @@ def moment_under(m, alpha, d):
         return 0.5 * volume_under(m, alpha)
     if n < 0.0:  # the mirrored cube
         alpha -= n
-    across = stretched(m, d, 0.0)
-    e, f = across[(d + 1) % 3], across[(d + 2) % 3]
-    least = min(e, 0.0) + min(f, 0.0)
+    e, f = m[(d + 1) % 3], m[(d + 2) % 3]
+    c = alpha - (min(e, 0.0) + min(f, 0.0))  # of the square with both mirrored to numbers >= 0
     small, large = min(abs(e), abs(f)), max(abs(e), abs(f))
     size = abs(n)
-    h0 = min(max((alpha - (least + small + large)) / size, 0.0), 1.0)
-    h1 = min(max((alpha - (least + large)) / size, h0), 1.0)
-    h2 = min(max((alpha - (least + small)) / size, h1), 1.0)
-    h3 = min(max((alpha - least) / size, h2), 1.0)
+    h0 = min(max((c - (small + large)) / size, 0.0), 1.0)
+    h1 = min(max((c - large) / size, h0), 1.0)
+    h2 = min(max((c - small) / size, h1), 1.0)
+    h3 = min(max(c / size, h2), 1.0)
     moment = 0.5 * h0 * h0
     for piece in range(3):
         low, high = (h0, h1) if piece == 0 else ((h1, h2) if piece == 1 else (h2, h3))
         if high > low:
-            moment += _piece(across, alpha, size, low, high)
+            moment += _piece(small, large, c, size, low, high)
     return volume_under(stretched(m, d, -1.0), alpha) - moment if n < 0.0 else moment
 
 

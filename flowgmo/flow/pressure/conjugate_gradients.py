@@ -31,6 +31,13 @@ EARLY = 1e3  # times the tolerance: by then it is known which voids are full: 7.
 def residual(columns, first, last, x, right, bx, by, bz, diagonal, r):
     """r = right - A x; x in cells without liquid is a held value (0 at the surface, given at pressure sides)."""
     for c in range(first, last):
+        ask_ahead(columns, c, last, x, 1, 0)
+        ask_ahead(columns, c, last, right, 0, 0)
+        ask_ahead(columns, c, last, bx, 0, 0)
+        ask_ahead(columns, c, last, by, 0, 0)
+        ask_ahead(columns, c, last, bz, 0, 0)
+        ask_ahead(columns, c, last, diagonal, 0, 0)
+        ask_ahead(columns, c, last, r, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
@@ -107,6 +114,8 @@ def hand_over(columns, first, last, r, scale, target, weight_x, weight_y, weight
     weight_x, weight_y: widths of cells; weight_z: 1 / their heights.
     """
     for c in range(first, last):
+        ask_ahead(columns, c, last, r, 0, 0)
+        ask_ahead(columns, c, last, target, 0, 0)
         worst[c] = _hand_over(columns, c, r, scale, target, weight_z) / (
             weight_x[columns[c, 0]] * weight_y[columns[c, 1]]
         )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.pressure.pressure_matrix import open_volume
 from flowgmo.flow.pressure.thin_cells import ease_between
@@ -24,6 +25,15 @@ def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, p, beta, d
     PUSH of what a cell holds too much leaves.
     """
     for c in range(first, last):
+        ask_ahead(columns, c, last, u, 0, 0)
+        ask_ahead(columns, c, last, v, 0, 0)
+        ask_ahead(columns, c, last, w, 0, 0)
+        ask_ahead(columns, c, last, Ax, 0, 0)
+        ask_ahead(columns, c, last, Ay, 0, 0)
+        ask_ahead(columns, c, last, Az, 0, 0)
+        ask_ahead(columns, c, last, V, 0, 0)
+        ask_ahead(columns, c, last, F, 0, 0)
+        ask_ahead(columns, c, last, right, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
@@ -60,6 +70,10 @@ def push(columns, first, last, b, area_x, area_y, area_z, A, q, step, u):
     """u -= (q_upper - q_lower) b / (A S) on the upper faces with b > 0. area_x * area_y * area_z = S (1 for `step`)."""
     m, n, o = step
     for c in range(first, last):
+        ask_ahead(columns, c, last, b, 0, 0)
+        ask_ahead(columns, c, last, A, 0, 0)
+        ask_ahead(columns, c, last, q, m, n)
+        ask_ahead(columns, c, last, u, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         S = area_x[i] * area_y[j]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.fields import G
 from flowgmo.flow.layers import join_cells
@@ -39,24 +40,39 @@ def first_of(columns, c, colour):
     return columns[c, 2] + ((columns[c, 0] + columns[c, 1] + columns[c, 2] + colour) & 1)
 
 
+@inner
+def _begin(columns, c, p, r, inverse, colour):
+    """`begin` in one column."""
+    i = columns[c, 0]
+    j = columns[c, 1]
+    for k in range(np.uint64(first_of(columns, c, colour)), np.uint64(columns[c, 3]), TWO):
+        p[i, j, k] = inverse[i, j, k] * r[i, j, k]
+
+
+@inner
+def _smooth(columns, c, p, r, bx, by, bz, inverse, colour):
+    """`smooth` in one column."""
+    i = columns[c, 0]
+    j = columns[c, 1]
+    for k in range(np.uint64(first_of(columns, c, colour)), np.uint64(columns[c, 3]), TWO):
+        p[i, j, k] = inverse[i, j, k] * (r[i, j, k] + _neighbours(bx, by, bz, p, i, j, k))
+
+
 @flow_kernel
 def begin(columns, first, last, p, r, inverse, colour):
     """The first half sweep from p = 0: r over the diagonal in cells of a colour; the others are set by the second."""
     for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(np.uint64(first_of(columns, c, colour)), np.uint64(columns[c, 3]), TWO):
-            p[i, j, k] = inverse[i, j, k] * r[i, j, k]
+        ask_ahead(columns, c, last, p, 0, 0)
+        ask_ahead(columns, c, last, r, 0, 0)
+        ask_ahead(columns, c, last, inverse, 0, 0)
+        _begin(columns, c, p, r, inverse, colour)
 
 
 @flow_kernel
 def smooth(columns, first, last, p, r, bx, by, bz, inverse, colour):
     """One half of a red-black Gauss-Seidel sweep for sum b (p - p_neighbour) = r."""
     for c in range(first, last):
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(np.uint64(first_of(columns, c, colour)), np.uint64(columns[c, 3]), TWO):
-            p[i, j, k] = inverse[i, j, k] * (r[i, j, k] + _neighbours(bx, by, bz, p, i, j, k))
+        _smooth(columns, c, p, r, bx, by, bz, inverse, colour)
 
 
 @flow_kernel
@@ -131,7 +147,8 @@ def _level(table, depth, flat):
 def _sweeps(times, begun, columns, first, last, p, r, bx, by, bz, inverse, colour, joined):
     """Half sweeps number `begun` to 2 times - 1, of which the first has a colour."""
     for n in range(begun, 2 * times):
-        smooth(columns, first, last, p, r, bx, by, bz, inverse, (colour + n) & 1)
+        for c in range(first, last):
+            _smooth(columns, c, p, r, bx, by, bz, inverse, (colour + n) & 1)
         join_cells(p, joined[0], joined[1], joined[2])
 
 
@@ -153,7 +170,8 @@ def cycle_below(table, columns, P, R, BX, BY, BZ, inverse, diagonal, joined):
         first, last = table[at, FIRST], table[at, LAST]
         fx, fy, fz, alone = table[at, FX], table[at, FY], table[at, FZ], table[at, ALONE]
         if down:
-            begin(columns, first, last, p, r, v, 0)
+            for c in range(first, last):
+                _begin(columns, c, p, r, v, 0)
             join_cells(p, joined[0], joined[1], joined[2])
             _sweeps(LAST_SWEEPS if at == n - 1 else SWEEPS, 1, columns, first, last, p, r, bx, by, bz, v, 0, joined)
             if at < n - 1:

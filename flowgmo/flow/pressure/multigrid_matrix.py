@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.fields import G
 from flowgmo.kernel import flow_kernel, inner
@@ -13,6 +14,8 @@ from flowgmo.kernel import flow_kernel, inner
 def single(columns, first, last, a, scale, out):
     """out = scale a, in single precision."""
     for c in range(first, last):
+        ask_ahead(columns, c, last, a, 0, 0)
+        ask_ahead(columns, c, last, out, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
@@ -40,6 +43,11 @@ def _between(b, diagonal, i, j, k, m, n, o):
 def held_shares(columns, first, last, bx, by, bz, diagonal, surface):
     """surface = sum of the b of a liquid cell's faces to cells that are not liquid."""
     for c in range(first, last):
+        ask_ahead(columns, c, last, bx, 0, 0)
+        ask_ahead(columns, c, last, by, 0, 0)
+        ask_ahead(columns, c, last, bz, 0, 0)
+        ask_ahead(columns, c, last, diagonal, 1, 0)
+        ask_ahead(columns, c, last, surface, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):

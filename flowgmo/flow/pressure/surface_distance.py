@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.pressure.lids import may_have_lid
 from flowgmo.flow.pressure.pockets import POCKET
 from flowgmo.flow.surface.cut_level import holds_below
@@ -39,6 +40,9 @@ def mark_liquid(columns, first, last, F, V, opened, planes, closed, wet, lids):
     (columns,): how many of the cells are that or may have a void under a closed face (lids.py, with `closed`).
     """
     for c in range(first, last):
+        ask_ahead(columns, c, last, F, 0, 0)
+        ask_ahead(columns, c, last, V, 0, 0)
+        ask_ahead(columns, c, last, wet, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         lids[c] = 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.fields import G
 from flowgmo.flow.surface.carriers import U, across_column, ahead
 from flowgmo.kernel import flow_kernel, inner, kernel
@@ -24,13 +25,11 @@ def _stretch(d, q, A, along, scale, i, j, k0, k1, heavy, F):
 
 
 @inner
-def _restore(carrier, A, columns, first, last, dt, heavy, F):
-    """Take back what an earlier sweep added to heavy cells against their stretching."""
+def _restore(carrier, A, i, j, k0, k1, dt, heavy, F):
+    """Take back what an earlier sweep added to a column's heavy cells against their stretching."""
     d, q, across, along = carrier.way.d, carrier.q, carrier.way.across, carrier.way.along
-    for c in range(first, last):
-        i, j = columns[c, 0], columns[c, 1]
-        scale = -dt * across_column(d, across, i, j)
-        _stretch(d, q, A, along, scale, i, j, U(columns[c, 2]), U(columns[c, 3]), heavy, F)
+    scale = -dt * across_column(d, across, i, j)
+    _stretch(d, q, A, along, scale, i, j, k0, k1, heavy, F)
 
 
 @flow_kernel
@@ -44,6 +43,10 @@ def sweep(columns, first, last, kind, own, A, one, two, dt, F, V, flux, heavy):
     d, q, across, along = own.way.d, own.q, own.way.across, own.way.along
     di, dj, dk = ahead(d)
     for c in range(first, last):
+        ask_ahead(columns, c, last, F, 0, 0)
+        ask_ahead(columns, c, last, flux, 0, 0)
+        ask_ahead(columns, c, last, V, 0, 0)
+        ask_ahead(columns, c, last, q, 0, 0)
         i, j, k0, k1 = columns[c, 0], columns[c, 1], U(columns[c, 2]), U(columns[c, 3])
         if kind & FIRST:
             for k in range(k0, k1):
@@ -59,10 +62,10 @@ def sweep(columns, first, last, kind, own, A, one, two, dt, F, V, flux, heavy):
             if V is not None:
                 for k in range(k0, k1):
                     F[i, j, k] /= V[i, j, k] if V[i, j, k] > 0.0 else 1.0
-    if one is not None:
-        _restore(one, one.A, columns, first, last, dt, heavy, F)
-    if two is not None:
-        _restore(two, two.A, columns, first, last, dt, heavy, F)
+        if one is not None:
+            _restore(one, one.A, i, j, k0, k1, dt, heavy, F)
+        if two is not None:
+            _restore(two, two.A, i, j, k0, k1, dt, heavy, F)
 
 
 @flow_kernel
