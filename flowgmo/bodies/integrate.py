@@ -1,23 +1,19 @@
 """Dormand & Prince's 8(5,3) pair for the equations of motion, with steps that end at the kinks of the tables.
 
-Source: Hairer, Nørsett & Wanner 1993, II.5; coefficients as tabulated in scipy.
+Source: Hairer, Nørsett & Wanner 1993, II.5; coefficients in dop853.py.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.integrate import DOP853
 
+from flowgmo.bodies import dop853
+from flowgmo.bodies.dop853 import STAGES
 from flowgmo.bodies.equations import LOADS, SIZE, Q, V, W, derivative
 from flowgmo.bodies.laws import next_kink
 from flowgmo.kernel import inner
 
-_A = np.ascontiguousarray(DOP853.A[: DOP853.n_stages, : DOP853.n_stages])
-_B = np.ascontiguousarray(DOP853.B)
-_C = np.ascontiguousarray(DOP853.C[: DOP853.n_stages])
-_E3 = np.ascontiguousarray(DOP853.E3)
-_E5 = np.ascontiguousarray(DOP853.E5)
-STAGES = len(_C)
+_A, _B, _C, _E3, _E5 = dop853.A, dop853.B, dop853.C, dop853.E3, dop853.E5
 TOLERANCE = 1e-12  # local error relative to the change in a step: 1e-9 and better over thousands of steps
 MAX_SUBSTEPS = 200_000  # a step that needs more is given up with an error, not a hang
 

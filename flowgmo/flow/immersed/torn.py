@@ -18,8 +18,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from flowgmo.flow.fields import G, Grid
 
@@ -88,6 +86,9 @@ def _liquid(around: Around, numbers: np.ndarray) -> np.ndarray:
 
 def _groups(links: np.ndarray, n: int) -> tuple[int, np.ndarray]:
     """How many groups n cells are in that pairs (m, 2) join, and the group of each."""
+    from scipy.sparse import coo_array  # only scenes with such cells pay for loading it
+    from scipy.sparse.csgraph import connected_components
+
     joined = coo_array((np.ones(len(links), bool), tuple(links.T)), shape=(n, n))
     count, group = connected_components(joined, directed=False)
     return int(count), group

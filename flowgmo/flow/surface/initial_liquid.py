@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from flowgmo.flow.favor.cut_pairs import BATCH, cell_volumes
 from flowgmo.flow.favor.fractions import mirror_ghosts
@@ -123,6 +122,8 @@ def level_of_volume(
 
     def missing(t: float) -> float:
         return (below + (parts.below(up, low + t * (high - low)) * amount).sum() - volume) / total
+
+    from scipy.optimize import brentq  # only scenes that ask for a level pay for loading it
 
     t = brentq(missing, 0.0, 1.0, xtol=CLOSED, rtol=CLOSED * 4) if missing(0.0) < 0.0 < missing(1.0) else None
     if t is None:
