@@ -3,6 +3,7 @@
 # `make docs`  the deck reference from the registry          `make clean`     removes what make made
 # `make bench-flow`  what the liquid costs by mesh and by wetted share; PART=wet runs that one
 # `make bench-bodies`  what bodies in the liquid cost; PART=surface runs that one
+# `make bench-interfoam`  the dam break beside OpenFOAM's interFoam, which must be installed
 # `make bench-collision`  cost and error of each part of the collision model; PART=search runs that one
 
 PYTHON ?= python3
@@ -10,7 +11,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: run test test-all lint docs bench-bodies bench-collision bench-flow clean setup
+.PHONY: run test test-all lint docs bench-bodies bench-collision bench-flow bench-interfoam clean setup
 
 setup: $(READY)
 
@@ -41,6 +42,9 @@ bench-collision: $(READY)
 
 bench-flow: $(READY)
 	$(BIN)/python tests/cost/bench_flow.py $(PART)
+
+bench-interfoam: $(READY)
+	$(BIN)/python tests/cost/bench_interfoam.py
 
 bench-bodies: $(READY)
 	$(BIN)/python tests/cost/bench_bodies.py $(PART)

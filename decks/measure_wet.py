@@ -37,10 +37,20 @@ def _series(case: str) -> np.ndarray:
 def dam_break(results: Path, deck: str) -> dict[str, float]:
     """SPHERIC 2: pressures P1, P2 on the box, heights at two gauges, against the measured series."""
     gauges = Gauges(results)
-    t = gauges.time
+    found = against_spheric(
+        gauges.time,
+        (gauges.probe(1, "p"), gauges.probe(2, "p")),
+        (gauges.probe(3, "height"), gauges.probe(4, "height")),
+    )
+    found["volume error"] = np.abs(gauges.fluid["volume_error"]).max()
+    return found
+
+
+def against_spheric(t: np.ndarray, pressures: tuple, heights: tuple) -> dict[str, float]:
+    """P1, P2 (n,) [Pa] and heights (n,) [m] at both gauges, at times t (n,) [s], against the measured ones."""
     there = _series("dam_break")
     there = there[there["t"] <= t[-1]]
-    p1, p2 = gauges.probe(1, "p"), gauges.probe(2, "p")
+    p1, p2 = pressures
     window = np.linspace(0.39, 0.8, 1000)  # VALIDATION D: the first blow
     impulse = np.trapezoid(np.interp(window, t, p1), window)
     measured = np.trapezoid(np.interp(window, there["t"], there["P1"]), window)
@@ -51,10 +61,9 @@ def dam_break(results: Path, deck: str) -> dict[str, float]:
         "P2 peak of 5 ms means": _means(t, p2, 0.005).max(),
         "P1 impulse over measured": impulse / measured,
         "arrival over measured": _passes(t, p1, 1000.0) / _passes(there["t"], there["P1"], 1000.0),
-        "volume error": np.abs(gauges.fluid["volume_error"]).max(),
     }
-    for k, name in ((3, "h_1488"), (4, "h_0992")):
-        ours = np.interp(there["t"], t, gauges.probe(k, "height"))
+    for name, height in zip(("h_1488", "h_0992"), heights, strict=True):
+        ours = np.interp(there["t"], t, height)
         found[f"mean error of {name} over .55 m"] = np.mean(np.abs(ours - there[name])) / 0.55
     return found
 

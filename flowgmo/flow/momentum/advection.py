@@ -28,14 +28,14 @@ from flowgmo.flow.fields import Grid, Open
 from flowgmo.flow.momentum.cut_advection import advect_cut
 from flowgmo.flow.momentum.upstream import UPWIND, Ends, Slopes, end_value, make_ends, make_slopes
 from flowgmo.flow.team import Team
-from flowgmo.kernel import flow_kernel, inner
+from flowgmo.kernel import flow_kernel, inlined, inner
 
 Array = np.ndarray
 NO = U64(0)
 VECTOR = U64(8)  # cells that the widest vectors hold
 
 
-@inner
+@inlined
 def _row(i, j, k0, k1, start, end, ci, cj, ck, q, out, u, v, w, gx, gy, gz, far, ends, slopes, plain, bit):
     """One column of advect. gx, gy, gz [-]: weight, for U along x, y, z, of the face one step along c.
 

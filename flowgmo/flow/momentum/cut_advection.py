@@ -52,7 +52,7 @@ import math
 
 from flowgmo.flow.favor.cut_faces import STEPS, U64, wet_face
 from flowgmo.flow.momentum.upstream import end_value
-from flowgmo.kernel import flow_kernel, inner
+from flowgmo.kernel import flow_kernel, inlined, inner
 
 (X, _, _), (_, Y, _), (_, _, Z) = STEPS
 NO = U64(0)
@@ -91,7 +91,7 @@ def _without_gain(U, flow_low, u_low, flow_high, u_high):
     return math.copysign(min(abs(U), max(mean, 0.5 * max(abs(u_low), abs(u_high)))), U)
 
 
-@inner
+@inlined
 def _along(q, A, V, F, vel, Ad, i, j, k, ci, cj, ck, di, dj, dk, ends, slopes, m, g):
     """U dq/dd on face P = (i, j, k) of component c; d the direction of vel, m P's index along it, g as in advect."""
     q0 = q[i, j, k]

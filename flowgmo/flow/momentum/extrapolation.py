@@ -39,7 +39,7 @@ from flowgmo.flow.face_bits import (
     words_of,
 )
 from flowgmo.flow.fields import G
-from flowgmo.kernel import flow_kernel, inner
+from flowgmo.kernel import flow_kernel, inlined
 
 #: Of `sources`, in place of neighbours: a film below the face, above it
 FILM_BELOW, FILM_ABOVE = np.int32(1 << 29), np.int32(1 << 30)
@@ -134,7 +134,7 @@ def mark_faces(columns, first, last, b, A, F, step, side, least, held, closed, f
             left[i, j, word] = every & ~(has | shut)
 
 
-@inner
+@inlined
 def _beside_any(bits, i, j, word):
     """Faces of a word that have a neighbour of the 26, or themselves, among the bits."""
     here, below, above = NO_BIT, NO_BIT, NO_BIT
@@ -146,7 +146,7 @@ def _beside_any(bits, i, j, word):
     return here | (here << ONE) | (here >> ONE) | (below >> LAST) | (above << LAST)
 
 
-@inner
+@inlined
 def _neighbours(bits, i, j, word, place):
     """The source of a face: those of its neighbours that are among the bits."""
     found = NO_BIT

@@ -28,7 +28,7 @@ from flowgmo.flow.face_bits import LAST, NO_BIT, first_bit, start_of, words_of
 from flowgmo.flow.fields import G
 from flowgmo.flow.pressure.projection import Projector, scale_liquid
 from flowgmo.flow.pressure.thin_cells import ease_between
-from flowgmo.kernel import flow_kernel, inner
+from flowgmo.kernel import flow_kernel, inlined, inner
 
 
 @inner
@@ -46,7 +46,7 @@ def _alone(q, p, factor, b, area, A, low, h, pull, own, upper):
     return out * min(max(inside * b[own] / area, -most), most)
 
 
-@inner
+@inlined
 def _at_surface(b, areas, A, V, q, wet, step, p, factor, h, pull, low, i, j, k):
     """What a face at the surface gains: the gradient of the face behind, or as _alone; low: the own cell is liquid."""
     di, dj, dk = step

@@ -12,7 +12,7 @@ from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.fields import G
 from flowgmo.flow.layers import join_cells
-from flowgmo.kernel import flow_kernel, inner
+from flowgmo.kernel import flow_kernel, inlined, inner
 
 SWEEPS = 2  # red-black pairs before and after: with 1, 11 to 17 cycles in place of 6 to 9, and 1.5 times the time
 LAST_SWEEPS = 8  # on the coarsest level, there and back: it holds at most 64 cells
@@ -40,7 +40,7 @@ def first_of(columns, c, colour):
     return columns[c, 2] + ((columns[c, 0] + columns[c, 1] + columns[c, 2] + colour) & 1)
 
 
-@inner
+@inlined
 def _begin(columns, c, p, r, inverse, colour):
     """`begin` in one column."""
     i = columns[c, 0]
@@ -49,7 +49,7 @@ def _begin(columns, c, p, r, inverse, colour):
         p[i, j, k] = inverse[i, j, k] * r[i, j, k]
 
 
-@inner
+@inlined
 def _smooth(columns, c, p, r, bx, by, bz, inverse, colour):
     """`smooth` in one column."""
     i = columns[c, 0]
@@ -104,7 +104,7 @@ def restrict(columns, first, last, fx, fy, fz, alone, p, r, bx, by, bz, diagonal
                             coarse[m, n, o] += left + _neighbours(bx, by, bz, p, i, j, k)
 
 
-@inner
+@inlined
 def _add_colour(m, n, o0, o1, i, j, p, r, bx, by, bz, diagonal, coarse):
     """coarse += what one of the two fine cells of each coarse one in a fine column leaves, the one of colour 0.
 

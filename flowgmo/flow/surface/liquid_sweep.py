@@ -7,12 +7,12 @@ import numpy as np
 from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.fields import G
 from flowgmo.flow.surface.carriers import U, across_column, ahead
-from flowgmo.kernel import flow_kernel, inner, kernel
+from flowgmo.kernel import flow_kernel, inlined, kernel
 
 FIRST, LAST = 1, 2  # bits of `kind`
 
 
-@inner
+@inlined
 def _stretch(d, q, A, along, scale, i, j, k0, k1, heavy, F):
     """F += scale (A+ q+ - A- q-) along in the heavy cells of a column."""
     di, dj, dk = ahead(d)
@@ -24,7 +24,7 @@ def _stretch(d, q, A, along, scale, i, j, k0, k1, heavy, F):
         F[i, j, k] += scale * along[k] * (high - low) if heavy[i, j, k] == 1 else 0.0
 
 
-@inner
+@inlined
 def _restore(carrier, A, i, j, k0, k1, dt, heavy, F):
     """Take back what an earlier sweep added to a column's heavy cells against their stretching."""
     d, q, across, along = carrier.way.d, carrier.q, carrier.way.across, carrier.way.along
