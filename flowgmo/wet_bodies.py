@@ -291,12 +291,12 @@ class WetBodies:
         one = immersed.fluxes[k]
         liquid = diagonal[one.cells] != 0.0
         known = self.parts.get(b)
-        if known is None or not np.array_equal(known[0], liquid):
+        closed = bool(immersed.closed[k])
+        if known is None or known[3] != closed or not np.array_equal(known[0], liquid):
             J = one.J[liquid]
-            closed = np.broadcast_to(immersed.closed, len(self.movers))[k]
             part = BodyFluxes(one.cells[liquid], closed_sum(J) if closed else J, one.lift[liquid])
             weight = weight_of_displaced(one, liquid, self.model.fluid.rho, self.model.gravity)
-            known = self.parts[b] = liquid, part, weight
+            known = self.parts[b] = liquid, part, weight, closed
         return known[1]
 
     def contacts_changed(self, q: np.ndarray) -> bool:

@@ -35,12 +35,14 @@ GRAFIC = """
 = computed, needs liquid
 XLOC YLOC ZLOC | real | k | - | length | | M D1-4 | {axis} of probe k
 IF_PROBE_ENABLED | int | k | 1 | - | 0 1 | M | 0 leaves a probe out
-LOCOBS | int | k | 0 | - | 0..500 | M | component that carries a probe; 0 fixed in space
-LOCOPT | int | k | 0 | - | 0 1 | M | a carried probe 0 moves and turns, 1 only moves
 NPMOV | int | k | 0 | - | 0 1* | M | 1 lets a probe drift with the liquid
 = accepted
 ANMTYP | char | k | '' | - | | M D1-4 | quantity in the selected data
 WINTL | char | k | '' | - | | M | name of a probe
+= known
+LOCOBS | int | k | 0 | - | 0..500 | M | component that carries a probe; 0 fixed in space
+= known, with LOCOBS
+LOCOPT | int | k | 0 | - | 0 1 | M | a carried probe 0 moves and turns, 1 only moves
 """
 
 PARTS = """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from flowgmo.errors import FlowgmoError
@@ -14,6 +16,7 @@ from flowgmo.flow.fields import Flow, G, Open, grid_of
 from flowgmo.flow.immersed.immersed import Immersed
 from flowgmo.flow.liquid import DUST, Liquid, default_threads
 from flowgmo.flow.observe.measures import total
+from flowgmo.flow.pressure.projection import Projector
 from flowgmo.flow.stages import settle_pressure
 from flowgmo.flow.surface.initial_liquid import Region, initial_liquid
 from flowgmo.flow.surface.level_at_start import fit_level
@@ -40,8 +43,13 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
     if covers is not None:
         centres = [np.pad(0.5 * (x[1:] + x[:-1]), G, mode="edge") for x in block.planes]
         covers.share(liquid.team)
-        liquid.immersed = Immersed(covers, grid, centres, liquid.renew)
+        liquid.immersed = Immersed(covers, grid, centres, liquid.renew, partial(_is_full, liquid.projector))
     return liquid
+
+
+def _is_full(projector: Projector) -> bool:
+    """Whether all open space is liquid of the equation, as its voids are shut now."""
+    return projector.sealed.all_full(projector.matrix.columns, projector.wet, projector.voids.open_lids)
 
 
 def _covers(model: Model, solids: Solids, fixed: list) -> MovingOpenings | None:

@@ -73,8 +73,8 @@ CASES = [
 ]  # fmt: skip
 #: of bodies that move in the liquid, or with one value only, or (VFCLEAN) in tests/unit/flow/test_clean_up.py; MUI: MU1
 ELSEWHERE = {
-    "impmob", "wetimpact", "lubrication", "filmrough", "ibuoyo", "ipref", "prefmbw", "locobs", "locopt", "ifdis",
-    "npmov", "ifpk", "vfclean", "mui",
+    "impmob", "wetimpact", "lubrication", "filmrough", "ibuoyo", "ipref", "prefmbw", "ifdis", "npmov",
+    "ifpk", "vfclean", "mui",
 }  # fmt: skip
 done: dict[str, bytes] = {}
 

@@ -38,6 +38,7 @@ import numpy as np
 
 from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Grid
+from flowgmo.flow.immersed.displaced_places import displaced_places
 from flowgmo.flow.immersed.waterline import Surface, waterline
 
 
@@ -45,13 +46,15 @@ class BodyFluxes(NamedTuple):
     """Of one body: cells (m,) flat index into arrays of mesh size; J (m, 6) [length2, length3]; lift (m, 6) [length3,
     length]: force of water at rest in a gravity of one along each axis, per density (see above), and its arm; edge
     (m, 2, 3) [length4/time2]: of waterline.py, None without a surface; axis (2, 3): of a body of revolution, from B to
-    a point of it [length], and its direction; None of others."""
+    a point of it [length], and its direction; None of others; places (m, 3) [length4]: of displaced_places.py, None of
+    a ball."""
 
     cells: np.ndarray
     J: np.ndarray
     lift: np.ndarray
     edge: np.ndarray | None = None
     axis: np.ndarray | None = None
+    places: np.ndarray | None = None
 
 
 def body_fluxes(
@@ -81,8 +84,11 @@ def body_fluxes(
     if middle is not None and axis is None:
         r[:] = middle
     cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
-    edge = None if surface is None else waterline(at, shares.faces, covered, surface, grid, centres, ball)
-    return BodyFluxes(cells, np.hstack([a, off_axis(a, cross(r, a), axis)]), np.hstack([lift, r]), edge, axis)
+    edge = below = None
+    if surface is not None:
+        edge, below = waterline(at, shares.faces, covered, surface, grid, centres, ball)
+    places = None if middle is not None and axis is None else displaced_places(shares, covered, below, grid)
+    return BodyFluxes(cells, np.hstack([a, off_axis(a, cross(r, a), axis)]), np.hstack([lift, r]), edge, axis, places)
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -118,10 +124,12 @@ def closed_sum(a: np.ndarray) -> np.ndarray:
 
 
 def weight_of_displaced(fluxes: BodyFluxes, liquid: np.ndarray, rho: float, gravity: np.ndarray) -> np.ndarray:
-    """(6,) force and moment about B: `lift` of the cells with liquid (m,) bool, see above, and `edge`."""
+    """(6,) force and moment about B: `lift` of the cells with liquid (m,) bool, see above, `edge` and `places`."""
     each = rho * gravity * fluxes.lift[:, :3] * liquid[:, None]
     if fluxes.edge is not None:
         each += rho * np.where(liquid[:, None], fluxes.edge[:, 0], fluxes.edge[:, 1])
     r = fluxes.lift[:, 3:]
-    force = each.sum(axis=0)
-    return np.concatenate([force, off_axis(force, cross(r, each).sum(axis=0), fluxes.axis)])
+    force, moment = each.sum(axis=0), cross(r, each).sum(axis=0)
+    if fluxes.places is not None:
+        moment -= rho * cross(fluxes.places, gravity).sum(axis=0)
+    return np.concatenate([force, off_axis(force, moment, fluxes.axis)])

@@ -80,7 +80,8 @@ def covered_faces(d, cells, shares, place, U, x, y, z, count, faces, speeds):
 
 
 class Immersed:
-    """covers: open fractions; renew: called when these have changed, to sort faces and regions anew.
+    """covers: open fractions; renew: called when these have changed, to sort faces and regions anew; is_full: whether
+    the equation, as it is now, knows of no void.
 
     After `begin`: cells (n, 3) that bodies touch, growth (n,) [length3] of their open volumes, change of these as the
     liquid's motion sees it, fluxes of each body.
@@ -92,8 +93,9 @@ class Immersed:
         grid: Grid,
         centres: list[np.ndarray],
         renew: Callable[[np.ndarray | None], None],
+        is_full: Callable[[], bool],
     ) -> None:
-        self.covers, self.grid, self.centres, self.renew = covers, grid, centres, renew
+        self.covers, self.grid, self.centres, self.renew, self.is_full = covers, grid, centres, renew, is_full
         self.open = covers.mean
         self.weight = np.zeros(3)  # of the liquid, rho g
         self.gravity = np.zeros(3)
@@ -132,9 +134,7 @@ class Immersed:
             grown = self._numbers(self.cells), self.growth
             args = self.grid, self.centres, places, velocities, centres, dt
             self.shares = mend_crossings(self.open, self.covers.open, swept.shares, grown, *args)
-        inside = self.covers.all_inside()
-        self.shut_in = flow.F is None and (inside or self.no_exit and bool(self.solved.all()))
-        self.closed = flow.F is None and (self.solved & self.no_exit | inside)
+        self.no_void, self.all_inside = flow.F is None, self.covers.all_inside()
         self.narrow = NarrowFaces(self.open, self._numbers(self.cells))
         self.less = [np.zeros(len(slits)) for slits in self.narrow.slits]  # of what gravity gives there
         self.let_by = self.narrow.let_by(self.shares, self.grid, self.centres, places, velocities, centres)
@@ -153,6 +153,22 @@ class Immersed:
             self.fluxes.append(body_fluxes(mine, covered, *mesh, place, centre, surface, cover.ball))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
+
+    @property
+    def closed(self) -> np.ndarray:
+        """(b,) bool: bodies that bring out of all cells together what they take in, since no void is left.
+
+        Where they touch a wall the shares alone do not say so, and a constant pressure, which is that of nothing in
+        liquid that is shut in, would push the body: one that hit the lid of a full tank came back four times as fast.
+        """
+        bodies = self.solved & self.no_exit | self.all_inside
+        return np.broadcast_to(bodies & (self.no_void or self.is_full()), len(self.shares))
+
+    @property
+    def shut_in(self) -> bool:
+        """Whether all cells together grow by nothing."""
+        known = self.all_inside or self.no_exit and bool(self.solved.all())
+        return known and (self.no_void or self.is_full())
 
     def surface(self, flow: Flow) -> Surface | None:
         """Of the liquid as it is now, among what is open now; None where nothing is void."""
@@ -185,7 +201,7 @@ class Immersed:
         """(n,) [length3/time]: what the bodies bring out of cells with these velocities, by their shares of faces."""
         out = np.zeros(len(self.cells))
         numbers = np.ravel_multi_index(tuple(self.cells.T.astype(np.int64)), self.open.V.shape)
-        for one, U, closed in zip(self.fluxes, velocities, np.broadcast_to(self.closed, len(self.fluxes)), strict=True):
+        for one, U, closed in zip(self.fluxes, velocities, self.closed, strict=True):
             np.add.at(out, np.searchsorted(numbers, one.cells), (closed_sum(one.J) if closed else one.J) @ U)
         return out
 

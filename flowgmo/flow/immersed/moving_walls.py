@@ -124,8 +124,9 @@ def wall_faces(
                 E[:, 3:] = np.cross(wall - place, np.eye(3)[c])
                 own, beside = _weights(cut, at, rows[at], step, F, shape, spread)
                 D = mu * cut.s[at] * volume * share
-                one = WallFaces(c, at, rows[at], rows[at] + step, share, E, D * own, D[:, None] * beside)
-                of_body.append(one.wet(F))
+                one = WallFaces(c, at, rows[at], rows[at] + step, share, E, D * own, D[:, None] * beside).wet(F)
+                if len(one.at):
+                    of_body.append(one)
     return found
 
 

@@ -80,18 +80,20 @@ def _by_ball(cut, R, covered, d, up, h, out):
 
 
 @kernel
-def _find(cells, F, opened, faces, covered, d, up, low, high, ball, too_much, missing):
-    """too_much, missing (m,): what is to be added along d of above, 0 in cells that no surface crosses. low, high (m,
-    3) [length]: corners of the cells, None without a ball."""
+def _find(cells, F, opened, faces, covered, d, up, low, high, ball, too_much, missing, part):
+    """too_much, missing (m,): what is to be added along d of above, 0 in cells that no surface crosses; part (m,): of
+    what is covered, that below the level. low, high (m, 3) [length]: corners of the cells, None without a ball."""
     out = np.empty(7)
     cut = scratch()
     for c in range(len(cells)):
         i, j, k = np.int64(cells[c, 0]), np.int64(cells[c, 1]), np.int64(cells[c, 2])
         too_much[c] = missing[c] = 0.0
+        part[c] = 1.0 if F[i, j, k] >= 0.5 else 0.0
         if not (0.0 < F[i, j, k] < 1.0 and 0.0 < covered[c] < 1.0 and opened.V[i, j, k] > 0.0):
             continue
         h = level_of_cell(F[i, j, k], opened, i, j, k, d, up)
         if not 0.0 < h < 1.0:
+            part[c] = 1.0 if h > 0.0 else 0.0
             continue
         if ball is None:
             below = _by_plane(faces[c], covered[c], d, up, h)
@@ -100,6 +102,7 @@ def _find(cells, F, opened, faces, covered, d, up, low, high, ball, too_much, mi
                 cut.q[e, 0], cut.q[e, 1] = low[c, e] - ball[e], high[c, e] - ball[e]
             below = _by_ball(cut, ball[6], covered[c], d, up, h, out)
         wet, dry = (faces[c, 2 * d], faces[c, 2 * d + 1]) if up > 0.0 else (faces[c, 2 * d + 1], faces[c, 2 * d])
+        part[c] = below / covered[c]
         too_much[c] = up * ((1.0 - h) * dry - (covered[c] - below))
         missing[c] = up * (below - h * wet)
 
@@ -107,9 +110,10 @@ def _find(cells, F, opened, faces, covered, d, up, low, high, ball, too_much, mi
 def waterline(
     at: np.ndarray, faces: np.ndarray, covered: np.ndarray, surface: Surface, grid: Grid, centres: list[np.ndarray],
     ball: np.ndarray | None = None,
-) -> np.ndarray | None:  # fmt: skip
+) -> tuple[np.ndarray | None, np.ndarray]:  # fmt: skip
     """(m, 2, 3) [length4/time2] what is to be added, per density, to the force of a body's cells: where their centre is
-    in the liquid, and where it is not. None without gravity along the mesh.
+    in the liquid, and where it is not; None without gravity along the mesh. And (m,) the part of what is covered that
+    lies below the level.
 
     at (m, 3) its cells [with ghosts], faces (m, 6) and covered (m,) shares of the body, centres [length] of cells for
     each direction; ball (7,): centre, 0 (3), radius [length] of one that is cut exactly, as it is now.
@@ -118,13 +122,13 @@ def waterline(
     size = float(np.linalg.norm(gravity))
     d = int(np.abs(gravity).argmax())
     if not abs(gravity[d]) > UPRIGHT * size:
-        return None
-    found, low, high = np.empty((2, len(at))), None, None
+        return None, (surface.F[tuple(at.T)] >= 0.5).astype(float)
+    found, low, high = np.empty((3, len(at))), None, None
     widths = np.column_stack([w[at[:, e]] for e, w in enumerate(grid[:3])])
     if ball is not None:
         middle = np.column_stack([x[at[:, e]] for e, x in enumerate(centres)])
         low, high = middle - 0.5 * widths, middle + 0.5 * widths
     _find(at, surface.F, surface.opened, faces, covered, d, -np.sign(gravity[d]), low, high, ball, *found)
     out = np.zeros((len(at), 2, 3))
-    out[:, :, d] = found.T * (size * widths.prod(axis=1))[:, None]
-    return out
+    out[:, :, d] = found[:2].T * (size * widths.prod(axis=1))[:, None]
+    return out, found[2]

@@ -100,10 +100,17 @@ def _ends(opened, i, j, k, d):
 @inner
 def box_misses(opened, s, i, j, k):
     """r above: how much of a cell's openings no corner of a box along the mesh explains."""
-    V = opened.V[i, j, k]
+    return misses_of_box(
+        _ends(opened, i, j, k, 0), _ends(opened, i, j, k, 1), _ends(opened, i, j, k, 2), opened.V[i, j, k], s
+    )
+
+
+@inner
+def misses_of_box(x, y, z, V, s):
+    """The same of a cell with the open volume V and the open faces (lower, upper) x, y, z; s as of solid_plane."""
     covered, held, solid, liquid = 1.0, 1.0, 0.0, 0.0
     for d in range(3):
-        low, high = _ends(opened, i, j, k, d)
+        low, high = x if d == 0 else (y if d == 1 else z)
         of_solid, of_liquid = _share_of_length(s[d], 1.0 - V), _share_of_length(s[d], V)
         covered *= (1.0 - V) / abs(s[d]) if of_solid >= 1.0 else 1.0
         held *= V / abs(s[d]) if of_liquid >= 1.0 else 1.0

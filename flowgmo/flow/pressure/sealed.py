@@ -133,6 +133,14 @@ class Sealed:
         """False where so few liquid cells cannot fill a sealed region."""
         return bool((self.cells[~self.reached] <= liquid).any())
 
+    def all_full(self, columns: np.ndarray, wet: np.ndarray, opened: tuple) -> bool:
+        """Whether every open cell of the scene is in the equation, and no pressure is given at a side; arguments as in
+        `balance`."""
+        every = int(self.cells.sum())
+        if self.reached.any() or len(opened[0]) or cells_in(columns) < every:
+            return False
+        return int(np.count_nonzero(wet[G:-G, G:-G, G:-G])) == every
+
     def balance(
         self,
         columns: np.ndarray,
