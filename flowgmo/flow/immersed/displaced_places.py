@@ -58,9 +58,15 @@ def _of_step(low, high, C):
 
 @kernel
 def _find(faces, covered, out):
-    """out (m, 3) [-]: place of what is covered of each cell; faces (m, 6), covered (m,) shares."""
+    """out (m, 3) [-]: place of what is covered of each cell; faces (m, 6), covered (m,) shares.
+
+    Shares of a face that is crossed during the step may lie beyond 0 .. 1 (crossings.py): here they are cut off there.
+    """
+    f = np.empty(6)
     for c in range(len(covered)):
-        f, C = faces[c], covered[c]
+        C = covered[c]
+        for n in range(6):
+            f[n] = min(max(faces[c, n], 0.0), 1.0)
         for d in range(3):
             out[c, d] = 0.0
         if not 0.0 < C < 1.0:

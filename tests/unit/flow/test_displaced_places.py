@@ -5,8 +5,10 @@ import pytest
 from flow_solids import box, cylinder
 from still_water import BLOCK, CENTRES, RHO, G, openings, water
 
+from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import grid_of
 from flowgmo.flow.immersed.body_fluxes import weight_of_displaced
+from flowgmo.flow.immersed.displaced_places import displaced_places
 from flowgmo.flow.immersed.waterline import Surface
 from flowgmo.flow.observe.body_loads import resting_fluxes
 
@@ -81,3 +83,16 @@ def test_cylinders_under_water():
         arm = middle - POINT
         exact = volume * np.array([0.0, 0.0, 1.0, arm[1], -arm[0], 0.0])
         assert np.abs(found - exact)[3:].max() <= 2e-4 * volume * 0.4
+
+
+def test_shares_beyond_the_face():
+    """A brick of decks/stones that crosses a face in the step: of one face it covers less than nothing. It was not a
+    number, and the run ended. The face above is covered, the one below is not: a slab at the upper end, thinner than
+    the cell by what is open."""
+    shares, covered = np.array([[0.0, 1.0, 0.015783, 0.015755, 0.015525, -0.0072778]]), np.array([0.015769])
+    cells = np.array([[4, 4, 4]], np.int32)
+    grid = grid_of(BLOCK)
+    found = displaced_places(Shares(cells, shares), covered, None, grid)
+    size = grid.dx[4] * grid.dx[4] * grid.dy[4] * grid.dz[4]
+    assert np.isfinite(found).all()
+    assert abs(found[0, 0] / size - 0.5 * covered[0] * (1.0 - covered[0])) <= 1e-5
