@@ -2,8 +2,9 @@
 
     python decks/measure.py decks/anvil/anvil.out [more results ...]
 
-Reads history.h5 of the results and reference.csv beside the deck; the folder of the deck names the case. The same
-functions serve tests/decks, so the tables in the READMEs and the tests say the same thing.
+Reads history.h5 of the results and reference.csv beside the deck. The folder of the deck names the case, so the
+results must lie where `flowgmo run` puts them without -o. The same functions serve tests/decks, so that tests and
+the tables in the READMEs say the same thing.
 """
 
 from __future__ import annotations
@@ -229,6 +230,8 @@ def main() -> None:
     for name in sys.argv[1:]:
         results = Path(name)
         case, deck = results.resolve().parent.name, results.stem
+        if case not in WET and case not in CASES:
+            sys.exit(f"{results}: a case is known by its folder, decks/CASE/DECK.out. Run its deck without -o")
         print(f"{case}/{deck}")
         expected = reference(case, deck)
         for quantity, value in measure(results, case, deck).items():

@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
+from flowgmo import __version__
 from flowgmo.bodies.body import Sinusoid
 from flowgmo.flow_plan import FluidPlan, LiquidStart, SidePlan, mesh_bytes, speed_in_sight
 from flowgmo.mesh import SIDE_NAMES
@@ -31,7 +32,7 @@ SAMPLES = 64000  # points of the domain in which liquid at the start is looked f
 
 def summary(model: Model) -> list[RenderableType]:
     """Domain, bodies, liquid, effects, notices, cells, memory and time."""
-    parts: list[RenderableType] = [tables.title(model, ""), tables.domain(model)]
+    parts: list[RenderableType] = [tables.title(model, __version__), tables.domain(model)]
     if model.fluid is not None:
         parts.append(Text("\n".join(f"  {line}" for line in _liquid(model.fluid))))
     if model.bodies:
@@ -65,9 +66,10 @@ def _wet_cost(model: Model, fluid: FluidPlan, memory: float, rows: int) -> str:
     overhead, each = WET_STEP[fluid.free_surface]
     overhead += BODY_STEP * bool(model.moving)
     seconds = START_SECONDS + steps * (overhead + model.mesh.cells * share * each)
+    time = tables.duration(float(f"{seconds:.2g}"))  # no more digits than a guess has
     return (
         f"{model.mesh.cells} cells, {100 * share:.0f} % with liquid at the start, about {steps} steps of {dt:.2g}, "
-        f"{rows} history rows; at most {_bytes(memory)} beside the program, and about {tables.duration(seconds)} of "
+        f"{rows} history rows; at most {_bytes(memory)} beside the program, and about {time} of "
         "wall time on two cores if the liquid stays as much"
     )
 

@@ -21,22 +21,27 @@ import click
 import flowgmo
 
 FAILED, WRONG, INTERRUPTED = 1, 2, 130
+RESULTS = "Results folder [DECK's name with .out in place of .nml; with --restart the folder of FILE]."
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(flowgmo.__version__, prog_name="flowgmo")
 def cli() -> None:
-    """Rigid bodies that fall, are driven and collide, from FLOW-3D style decks."""
+    """Rigid bodies that fall, float, are driven and collide in water, from FLOW-3D style decks."""
 
 
 @cli.command()
 @click.argument("deck", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Results folder (default: DECK's name + .out).")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help=RESULTS)
 @click.option("--overwrite", is_flag=True, help="Replace the results in the folder.")
-@click.option("--restart", type=click.Path(path_type=Path), help="Go on from a restart file.")
-@click.option("--threads", type=click.IntRange(1), help="Threads for kernels (the results do not depend on it).")
+@click.option("--restart", type=click.Path(path_type=Path), metavar="FILE", help="Go on from RESULTS/restart.h5.")
+@click.option("--threads", type=click.IntRange(1), help="Threads [all cores]; the results do not depend on it.")
 def run(deck: Path, output: Path | None, overwrite: bool, restart: Path | None, threads: int | None) -> None:
-    """Compute the scene of a deck."""
+    """Compute the scene of a deck.
+
+    Exit codes: 0 done, 1 the run failed, 2 the deck or the command line is wrong, 130 interrupted (go on with
+    --restart).
+    """
     from flowgmo.building import build_model
     from flowgmo.deck import read_deck
     from flowgmo.results_folder import prepare_folder
@@ -56,7 +61,7 @@ def run(deck: Path, output: Path | None, overwrite: bool, restart: Path | None, 
 @cli.command()
 @click.argument("deck", type=click.Path(path_type=Path))
 def check(deck: Path) -> None:
-    """Say what is wrong with a deck, or what it would compute."""
+    """Say what is wrong with a deck, or what it would compute: bodies, effects, cells, memory, time."""
     from flowgmo.building import build_model
     from flowgmo.check import summary
     from flowgmo.deck import read_deck
@@ -68,7 +73,7 @@ def check(deck: Path) -> None:
 @cli.command()
 @click.argument("name", required=False)
 def explain(name: str | None) -> None:
-    """Explain a deck variable; without a name, list all by block."""
+    """Explain a deck variable (default, unit, range); without a name, list all by block."""
     from flowgmo.deck.explain import explain as row
     from flowgmo.deck.explain import explain_all
 

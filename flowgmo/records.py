@@ -42,7 +42,7 @@ class Rows:
     contact_force (k, n, 3) [force] of persistent contacts; residual_force [force], residual_torque [torque] (k, n, 3):
     what keeps a prescribed motion, beyond gravity and control loads, the torque about B;
     kinetic_energy (k, n); energy: name -> (k,), names as in `/energy` of history.h5; liquid: name -> (k,) or (k, 3),
-    names as in history.h5 (flow/watch.py), empty in a dry scene.
+    names as in history.h5 (flow/observe/watch.py), empty in a dry scene.
     """
 
     t: np.ndarray

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from contextlib import suppress
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flowgmo.errors import StepFailed
+from flowgmo.first_start import told_of_compilation
 from flowgmo.model import Model
 from flowgmo.output import (
     Fields,
@@ -52,7 +52,7 @@ def run(model: Model, folder: Path, restart: Path | None, command_line: str) -> 
         )
     job = Job(model, state, folder, resume_at=state.t if restart else None, command_line=command_line)
     try:
-        with stopping_on_signals(job):
+        with stopping_on_signals(job), told_of_compilation(job.log.print):
             job.world = prepare(model)
             job.start_liquid()
             try:
@@ -93,8 +93,6 @@ class Job:
         from flowgmo.rows import rows_of_state
 
         model, state = self.model, self.state
-        if not _kernels_cached():
-            self.log.print("first start: compiling the kernels of this scene, 5 to 60 s; later starts load them\n")
         if self.resume_at is None:
             from flowgmo.flow.observe.watch import at_once
             from flowgmo.step import liquid_values
@@ -211,9 +209,3 @@ def _check_volume(rows: Rows) -> None:
             f"the volume of the liquid is off by {worst:.2g} of itself at t = {rows.t[-1]:.6g}: some was lost or made. "
             "This is an error of the program; please send the deck to its authors"
         )
-
-
-def _kernels_cached() -> bool:
-    """Whether any compiled kernel of this version lies on disk."""
-    folder = os.environ.get("NUMBA_CACHE_DIR")
-    return folder is not None and any(Path(folder).rglob("*.nbc"))

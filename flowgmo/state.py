@@ -10,6 +10,8 @@
 | angle   | turned about a fixed axis| (n,)    | rad         | about it      | step                |
 | hold    | held at a stop           | (n, 4)  | -1, 0, +1   | x y z, angle  | step                |
 | support | flats a ball rests on    | (n, 3)  | flat or -1  |               | collisions          |
+| held_parts, held_values | contacts that last (collision/stage.py) | (c, 3), (c, 10) | - | space | step |
+| asleep, quiet | who sleeps; for how many legs one was quiet (collision/sleep.py) | (n,) | - |  | step |
 | books   | energy given and lost    | (BOOKS) | energy      |               | step                |
 | owed    | friction owed to bodies that move after the liquid, `impmob=0` | (n, 6) | momentum | space | step |
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -26,6 +28,9 @@ def told(command: Callable) -> Callable:
     def run(**arguments: object) -> None:
         try:
             command(**arguments)
+        except BrokenPipeError:  # who read our output is gone (`... --list | head`)
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(1)
         except PostprocError as error:
             raise Told(str(error), error.exit_code) from error
         except click.ClickException:
@@ -40,6 +45,13 @@ def notice(text: str) -> None:
     click.echo(f"notice: {text}", err=True)
 
 
+VIEW = click.option(
+    "--view",
+    type=click.Choice(["iso", "x", "y", "z"]),
+    default="iso",
+    show_default=True,
+    help="From a corner, or along an axis.",
+)
 RESULTS = click.argument("results", type=click.Path(path_type=Path))
 
 
@@ -49,7 +61,10 @@ def output(default: str) -> Callable:
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 def main() -> None:
-    """Curves, pictures and reports from a results folder of flowgmo."""
+    """Curves, pictures and reports from RESULTS, the folder that `flowgmo run` made.
+
+    Times and places are in the deck's units; [brackets] hold defaults.
+    """
 
 
 @main.command()
@@ -92,12 +107,15 @@ def plot(
 @RESULTS
 @click.option("--time", "t", type=float, help="Time of the picture [the end].")
 @output("picture.png")
-@click.option("--view", type=click.Choice(["iso", "x", "y", "z"]), default="iso", show_default=True)
+@VIEW
 @click.option("--size", default="1200,900", show_default=True, metavar="W,H", help="Pixels.")
-@click.option("--colour", type=click.Choice(["name", "speed"]), default="name", show_default=True)
+@click.option("--colour", type=click.Choice(["name", "speed"]), default="name", show_default=True, help="Of bodies.")
 @told
 def picture(results: Path, t: float | None, output: Path | None, view: str, size: str, colour: str) -> None:
-    """Draw the bodies and the liquid's surface at one time (liquid: at the nearest snapshot)."""
+    """Draw bodies and the liquid's surface at one time.
+
+    The surface is that of the nearest snapshot (TAPLTD).
+    """
     from postproc.pictures import draw
     from postproc.results import Results
     from postproc.scene import Scene
@@ -120,7 +138,10 @@ def picture(results: Path, t: float | None, output: Path | None, view: str, size
 @output("slice.png")
 @told
 def slice_(results: Path, t: float | None, axis: str | None, position: float | None, output: Path | None) -> None:
-    """Draw fraction, pressure, and speed of the liquid in a plane, bodies and solids, and the mesh beside them."""
+    """Draw fraction, pressure, speed of the liquid in a plane.
+
+    Bodies and solids lie over it, the mesh is seen beside them. Fields are those of the nearest snapshot (TPLTD).
+    """
     from postproc.slices import draw_slice
 
     if not results.is_dir():
@@ -161,13 +182,13 @@ def report(results: Path, output: Path | None) -> None:
 @main.command()
 @RESULTS
 @output("movie.gif")
-@click.option("--frames", type=click.IntRange(2, 10000), default=60, show_default=True)
+@click.option("--frames", type=click.IntRange(2, 10000), default=60, show_default=True, help="Over the whole run.")
 @click.option("--rate", type=click.FloatRange(1, 60), default=20, show_default=True, help="Frames a second.")
-@click.option("--view", type=click.Choice(["iso", "x", "y", "z"]), default="iso", show_default=True)
+@VIEW
 @click.option("--size", default="640,480", show_default=True, metavar="W,H", help="Pixels.")
 @told
 def movie(results: Path, output: Path | None, frames: int, rate: float, view: str, size: str) -> None:
-    """Draw a movie: a GIF, or a folder of pictures."""
+    """Draw a movie: a GIF, or with -o FOLDER numbered pictures."""
     from postproc.movie import movie as draw_movie
     from postproc.results import Results
 

@@ -108,7 +108,7 @@ def _steps(found: Findings, bodies: tuple[Body, ...]) -> StepPlan:
 
 def _clean_up(found: Findings) -> CleanUp:
     """AVRCK acts with IAVRCK=1, its sign does not (decks write -3.1). Off by default: slivers cost no step here
-    (flow/spill_over.py), and raising their volumes moves walls."""
+    (flow/surface/spill_over.py), and raising their volumes moves walls."""
     deck = found.deck
     raises = deck["IAVRCK"] == 1 and deck["AVRCK"] != 0.0
     if raises:

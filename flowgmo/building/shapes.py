@@ -45,7 +45,7 @@ def _piece(found: Findings, n: int) -> Piece | None:
         stl=stl,
         transform=build_transform(deck, "", n),
         density=density,
-        name=str(deck.at("SUBCMPID", n) or f"subcomponent {n}"),
+        name=str(deck.at("SUBCMPID", n) or n),
     )
 
 

@@ -73,7 +73,7 @@ def class_text(row: Row) -> str:
     return text
 
 
-def _columns(names: list[str], width: int = 100) -> str:
+def _columns(names: list[str], width: int = 76) -> str:
     """Names side by side."""
     step = max(map(len, names), default=1) + 2
     per_line = max(1, width // step)

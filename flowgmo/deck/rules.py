@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from .deck import Deck
 from .defaults import default_of
 from .errors import Notice, Problem
-from .row import Row, show
+from .row import Row, Value, show
 from .rules_bodies import RULES as BODIES
 from .rules_bodies import components
 from .rules_fluid import RULES as FLUID
@@ -18,6 +18,7 @@ from .rules_mass import RULES as MASS
 from .rules_mesh import RULES as MESH
 from .rules_motion import RULES as MOTION
 from .rules_time import RULES as TIME
+from .rules_units import RULES as UNITS
 from .rules_wet_bodies import RULES as WET_BODIES
 from .store import Index
 from .variables import REGISTRY
@@ -32,7 +33,7 @@ def check(deck: Deck) -> tuple[list[Problem], list[Notice]]:
     if deck["IGNORE_UNSUPPORTED"]:
         findings = [Notice(*vars(finding).values()) for finding in findings]
         _switch_off(deck)
-    for rule in (*TIME, *MESH, *BODIES, *MOTION, *MASS, *((*FLUID, *WET_BODIES) if deck.given("RHOF") else ())):
+    for rule in (*TIME, *UNITS, *MESH, *BODIES, *MOTION, *MASS, *((*FLUID, *WET_BODIES) if deck.given("RHOF") else ())):
         findings += rule(deck)
     problems = [f for f in findings if isinstance(f, Problem)]
     notices = [f for f in findings if not isinstance(f, Problem)]
@@ -63,9 +64,17 @@ def not_computed(deck: Deck) -> Iterator[Problem]:
         off = default_of(deck, row, index)
         more = f" (and {len(asked) - 1} more)" if len(asked) > 1 else ""
         element = row.name.lower() + (f"({','.join(map(str, index))})" if index else "")
-        instead = f"Write {element}={show(off)}" if off is not None else "Remove it"
+        instead = _instead(row, element, off)
         wrong = f"known but not computed{more}: {row.meaning}"
         yield deck.problem(row.name, *index, wrong=wrong, write=f"{instead}, {IGNORE}")
+
+
+def _instead(row: Row, element: str, off: Value | None) -> str:
+    """The values that are computed, where some of a list are; else the one that switches it off."""
+    computed = [show(value) for value in row.allowed or () if value not in row.not_yet] if row.not_yet else []
+    if len(computed) > 1:
+        return f"Write {element}={', '.join(computed[:-1])} or {computed[-1]}"
+    return f"Write {element}={show(off)}" if off is not None else "Remove it"
 
 
 def several_meshes(deck: Deck) -> Iterator[Problem]:

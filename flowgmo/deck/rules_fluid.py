@@ -78,6 +78,13 @@ def surface(deck: Deck) -> Finding:
         yield deck.problem(name, *index, wrong=wrong, write="Write itb=1 in &xput, or remove this")
 
 
+def weight(deck: Deck) -> Finding:
+    """A free surface that nothing levels: forgotten more often than meant, which gz=0. says."""
+    if deck["ITB"] == 1 and not any(deck.given(name) or name in deck.broken for name in ("GX", "GY", "GZ")):
+        wrong = "the liquid has a free surface and the deck gives no gravity"
+        yield deck.notice("ITB", wrong=wrong, write="Give gz in &xput; gz=0. if there is none")
+
+
 def _lower_than_domain(deck: Deck) -> bool:
     top = deck.at("PZ", max((n for (n,) in deck.indices("PZ")), default=2))
     return deck["FLHT"] is not None and top is not None and deck["FLHT"] < top
@@ -169,4 +176,4 @@ def _acting(deck: Deck, name: str, n: int, off: float) -> tuple | None:
     return None
 
 
-RULES: tuple[Callable[[Deck], Finding], ...] = (start, surface, reference, regions, walls, heights, idle)
+RULES: tuple[Callable[[Deck], Finding], ...] = (start, surface, weight, reference, regions, walls, heights, idle)

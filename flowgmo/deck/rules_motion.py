@@ -31,10 +31,22 @@ def pairs(deck: Deck) -> Finding:
             index = next((i for i in deck.indices(name) if deck.at(name, *i) != off[name]), None)
             if index:
                 yield deck.notice(name, *index, wrong="iclid=0 switches all collisions off")
+        yield from _forgotten(deck)
     for a, b in deck.indices("ICLIDOB"):
         if a < b and deck.given("ICLIDOB", b, a) and deck.at("ICLIDOB", a, b) != deck.at("ICLIDOB", b, a):
             wrong = f"iclidob({b},{a}) says the opposite; a 0 in either order lets the pair pass"
             yield deck.notice("ICLIDOB", a, b, wrong=wrong)
+
+
+def _forgotten(deck: Deck) -> Finding:
+    """Restitution or friction of all bodies, some of which move, and not a word of ICLID: they would pass through."""
+    if deck.given("ICLID") or not any(deck.at("IMO", m) > 0 for m in components(deck)):
+        return
+    for name, off in (("STRNGMOB", 1.0), ("FRCMOB", 0.0)):
+        if deck[name] != off:
+            wrong = "no effect without iclid=1; bodies pass through each other and through walls"
+            yield deck.notice(name, wrong=wrong, write="Write iclid=1, or iclid=0 if that is meant")
+            return
 
 
 def axes(deck: Deck) -> Finding:

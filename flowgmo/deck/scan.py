@@ -24,6 +24,8 @@ OUTSIDE = re.compile(
     r"""(?:[+-]?[\d.][\w.+*-]*|\.[a-z]+\.|'[^']*'|"[^"]*")[ \t]*(?:[,!/]|$|[A-Za-z_]\w*[ \t]*[(=])""",
     re.IGNORECASE,
 )
+FRACTION = re.compile(r"(?<!\w)[\d.]+$")  # a number right before a /
+DIVISOR = re.compile(r"[\d.]+")
 HIDDEN = "\x01"  # stands for quoted characters in the masked text
 
 
@@ -56,6 +58,7 @@ class Scan:
     blocks: list[Block] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
+    open_quotes: set[int] = field(default_factory=set)  # lines whose last value is lost with its quote
     # Text outside blocks: one list of (line number, text) before the first block, and one after each.
     outside: list[list[tuple[int, str]]] = field(default_factory=lambda: [[]])
 
@@ -122,10 +125,12 @@ def _take(found: Scan, block: Block, number: int, line: str) -> int | None:
         elif text in "'\"":
             wrong = "a quote is opened and not closed in this line"
             found.problem(number, block.name, wrong, f"Close it; inside a text write {text}{text} for {text}")
+            found.open_quotes.add(number)
             position = len(line)
             break
         else:
             end = mark.end()
+            _fraction(found, block, number, line, mark.start())
             break
     else:
         clean.append(line[position:])
@@ -133,6 +138,15 @@ def _take(found: Scan, block: Block, number: int, line: str) -> int | None:
     block.clean.append("".join(clean))
     block.masked.append("".join(masked))
     return end
+
+
+def _fraction(found: Scan, block: Block, number: int, line: str, slash: int) -> None:
+    """Report `1/2`: the / ends the block, and all that follows would be lost."""
+    if match := FRACTION.search(line[:slash]):
+        divisor = DIVISOR.match(line, slash + 1)
+        if divisor:
+            wrong = f"{match[0]}/{divisor[0]} is no number; the / ends the block"
+            found.problem(number, block.name, wrong, "Write the number itself, as 0.5")
 
 
 def assignments(block: Block, found: Scan) -> Iterator[Assignment]:

@@ -14,6 +14,8 @@ from .variables import ALIASES, ALSO_IN, OPEN, REGISTRY, SPELLINGS, of_block
 RANGE = re.compile(r"\s*([+-]?\d+)\s*(?::\s*([+-]?\d+)\s*)?")
 UNSET = {"RHOF": -1.0, "RHOF2": -1.0}  # the vendor's default, which means: not given
 MEANS = {"IFVOF": {5: 6, 3: 4}}  # one way to move liquid stands for two of the vendor's
+WHOLE, DECIMALS = re.compile(r"[+-]?\d+"), re.compile(r"\d+(?:[eEdD][+-]?\d+)?")  # before and behind a decimal sign
+MOST_SHOWN = 3  # of values that are too many
 MOST_HINTS = 20  # nearest names are looked up for so many unknown ones; a wrong file has thousands
 
 Index = tuple[int, ...]
@@ -35,6 +37,7 @@ class Filler:
         self.scan = scan
         self.hints = MOST_HINTS
         self.waiting: list[tuple[Store, Row, Index, str, int]] = []
+        self.lists: dict[tuple[str, Index], str] = {}  # elements that got a later value of a list, and that list
 
     def take(self, block: Block, store: Store, assignments: Iterator[Assignment]) -> None:
         """Put a block's assignments into a store; their values wait for `finish`."""
@@ -105,6 +108,7 @@ class Filler:
             row, index = self._alias(row, assignment.line)
             fixed = [index] if tokens else []
         given = store.lines.setdefault(row.name, {})
+        written = _shown(assignment, tokens)
         for index, (token, line) in zip(fixed, tokens, strict=False):
             if token is None:
                 continue
@@ -114,12 +118,21 @@ class Filler:
                 self._problem(line, row.block, variable, *wrong)
             elif index in given:
                 store.broken.add(row.name)
-                first = given[index]
-                wrong = "set twice in this line" if first == line else f"set twice, in line {first} and in line {line}"
+                wrong = self._twice(row, index, given[index], line)
                 self._problem(line, row.block, variable, wrong, "Keep one of the two")
             else:
                 given[index] = line
+                if index != fixed[0]:
+                    self.lists[row.name, index] = written
                 self.waiting.append((store, row, index, token, line))
+
+    def _twice(self, row: Row, index: Index, first: int, line: int) -> str:
+        """Where an element was set before; by a list (`zh(1)=0,6` sets zh(2) too), which one."""
+        by = self.lists.get((row.name, index))
+        before = f" by {by}" if by else ""
+        if first == line:
+            return "set twice in this line" + (f", once{before}" if by else "")
+        return f"set twice, in line {first}{before} and in line {line}"
 
     def _alias(self, row: Row, line: int) -> tuple[Row, Index]:
         name, index = ALIASES[row.name]
@@ -141,9 +154,13 @@ class Filler:
         while tokens and tokens[-1][0] is None:
             tokens.pop()
         if not tokens:
-            self._problem(line, row.block, shown, "there is no value after the =", f"Write a value, or remove {shown}")
+            if line not in self.scan.open_quotes:
+                wrong, write = "there is no value after the =", f"Write a value, or remove {shown}"
+                self._problem(line, row.block, shown, wrong, write)
             return None
         try:
+            if not row.shape and assignment.index is None and len(tokens) > 1:
+                raise ValueError(*_too_many(row, tokens))
             return _index_list(row, assignment.index, len(tokens)), tokens
         except ValueError as error:
             wrong, write = error.args
@@ -152,13 +169,31 @@ class Filler:
             return None
 
 
+def _too_many(row: Row, tokens: list[tuple[str | None, int]]) -> tuple[str, str]:
+    """What is wrong with several values for a variable that has one, and what to write: 9,81 is meant as 9.81."""
+    values = [text or "" for text, _ in tokens]
+    wrong = f"one value is needed, here are {len(values)}: {_listed(values)}"
+    if row.type == "real" and len(values) == 2 and WHOLE.fullmatch(values[0]) and DECIMALS.fullmatch(values[1]):
+        return wrong, f"Write {row.key}={values[0]}.{values[1]}, decimals behind a point, or one value"
+    return wrong, f"Write {row.key}= with one value"
+
+
+def _shown(assignment: Assignment, tokens: list[tuple[str | None, int]]) -> str:
+    """The beginning of an assignment as the deck has it."""
+    place = f"({assignment.index.strip()})" if assignment.index is not None else ""
+    return f"{assignment.name.lower()}{place}={_listed([text or '' for text, _ in tokens[: MOST_SHOWN + 1]])}"
+
+
+def _listed(values: list[str]) -> str:
+    more = ",..." if len(values) > MOST_SHOWN else ""
+    return ",".join(value[:20] for value in values[:MOST_SHOWN]) + more
+
+
 def _index_list(row: Row, text: str | None, count: int) -> list[Index]:
     """The elements that `count` values after name(text) are for; ValueError(wrong, write) when they do not fit."""
     if not row.shape:
         if text is not None:
             raise ValueError("the variable has no index", f"Write {row.key}=...")
-        if count > 1:
-            raise ValueError(f"one value is needed, here are {count}", f"Write {row.key}= with one value")
         return [()]
     if text is None and len(row.shape) > 1:
         raise ValueError("the index is missing", f"Write {row.key}=...")

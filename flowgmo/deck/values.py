@@ -19,6 +19,7 @@ FORMS = {
     "logical": (re.compile(r"\.(?:true|false|t|f)\.|true|false|[tf]", re.IGNORECASE), ".true. or .false."),
 }
 LARGEST_INT = 2**31 - 1  # the format's integers are Fortran's default ones
+QUOTES = "'\"`´‘’‚“”„«»"  # what editors and other languages write for the straight quotes of a deck
 REPEAT = re.compile(r"(\d+)\*(.*)", re.DOTALL)
 MOST_REPEATS = 500**2  # elements of the largest array of the format, a table of 500 times for 500 bodies
 CHUNK = 2000  # literals per f90nml list, so that a list stays short
@@ -36,7 +37,7 @@ def fault(row: Row, token: str, element: str) -> tuple[str, str] | None:
     if form.fullmatch(token):
         return _size_fault(row, token)
     if row.type == "char":
-        return f"{token[:40]} is not a text in quotes", f"Write {element}={show(token[:40].strip(chr(39)))}"
+        return f"{token[:40]} is not a text in quotes", f"Write {element}={show(token[:40].strip(QUOTES))}"
     if re.fullmatch(r"[+-]?(nan|inf|infinity)(\(.*)?", token, re.IGNORECASE):
         return f"{token[:40]} is no number", "Give a finite value"
     if row.type == "int" and FORMS["real"][0].fullmatch(token):

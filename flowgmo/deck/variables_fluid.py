@@ -50,7 +50,7 @@ ISCLR | int | k | 0 | - | | M D2 | kind of a carried substance
 BCDATA = """
 = computed
 IBCT | int | side | 1 | - | 1 2 3 4 5 6 7* 8 9* 10* 11* | M D1-4 | kind of side: 1 symmetry, 2 wall, 3 continuative, \
-4 periodic, 5 pressure, 6 velocity, 8 outflow
+4 periodic, 5 pressure, 6 velocity, 7 other mesh, 8 outflow, 9 next block, 10 waves, 11 volume flow
 = computed, needs liquid
 TIMBCT | real | t | 0.0 | time | | M D3 | times of all tables of &bcdata
 UBCT VBCT WBCT | real | t:TIMBCT side | 0.0 | length/time | | M D1 | velocity along {axis} at a side, also of a wall

@@ -66,7 +66,8 @@ class Fields:
             group = file.create_group(f"{len(there):06d}")
             place = group if self.model.moving else file
             if self.V is not None and "V" not in place:
-                _table(place, "V", real(self.V).astype(np.float32)).attrs["meaning"] = "open fraction of the cells"
+                table = _table(place, "V", real(self.V).astype(np.float32))
+                table.attrs.update({"unit": "1", "location": "cells", "meaning": "open volume / whole volume"})
             for name, values in arrays.items():
                 quantity, meaning = MEANING[name]
                 table = _table(group, name, values)
@@ -82,6 +83,7 @@ class Fields:
         file.attrs.update({"units": model.units, "time_unit": unit("time", model.units)})
         file.attrs.update({f"version_{name}": value for name, value in versions().items()})
         file.create_dataset("deck", data=model.resolved_deck or "\n", dtype=h5py.string_dtype())
+        file["deck"].attrs["meaning"] = "complete deck, defaults filled in"
         for name, planes in zip("xyz", block.planes, strict=True):
             table = file.create_dataset(name, data=planes)
             table.attrs.update({"unit": unit("length", model.units), "meaning": f"planes of the mesh along {name}"})

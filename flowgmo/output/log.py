@@ -113,9 +113,9 @@ class RunLog:
         if now - self._last_line < LINE_EVERY or not self._line_due(t):
             return
         self._last_line = now
-        line = f"t {t:<12.6g} step {step:<9} dt {dt:<11.4g} "
-        line += "" if solution is None else f"iterations {solution:<5} "
-        line += "" if impacts is None else f"impacts {impacts:<8} "
+        line = f"t {t:<9.6g} step {step:<6} dt {dt:<8.3g} "  # all of it within 80 columns
+        line += "" if solution is None else f"iterations {solution:<3} "
+        line += "" if impacts is None else f"impacts {impacts:<5} "
         line += f"wall {_wall(now - self._start)}"
         self._print_to_file(Text(line))
         if not self.console.is_terminal:
@@ -168,4 +168,4 @@ class RunLog:
 def _wall(seconds: float) -> str:
     minutes, seconds = divmod(seconds, 60)
     hours, minutes = divmod(int(minutes), 60)
-    return f"{hours:d}:{minutes:02d}:{seconds:04.1f}"
+    return f"{hours:d}:{minutes:02d}:{int(seconds):02d}"

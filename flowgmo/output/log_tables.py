@@ -12,17 +12,18 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from flowgmo.bodies.body import FIXED_AXIS, Body
+from flowgmo.bodies.body import FIXED_AXIS, FIXED_POINT, Body
 from flowgmo.mesh import SIDE_KINDS
 from flowgmo.model import Model
 from flowgmo.output.units import unit
 
 MOST_BODIES = 40  # rows of a table; a rack of bodies does not scroll the rest away
+FREEDOMS = ("x", "y", "z", "turn x", "turn y", "turn z")  # of Body.drives
 GAP = (1, 0, 0, 0)
 
 
 def title(model: Model, version: str) -> Text:
-    return Text.assemble((model.title or model.stem, "bold"), (f"   flowgmo {version}", "dim"))
+    return Text.assemble((model.title or model.stem, "bold"), (f"   flowgmo {version}".rstrip(), "dim"))
 
 
 def domain(model: Model) -> RenderableType:
@@ -53,7 +54,15 @@ def bodies(model: Model) -> RenderableType:
 
 
 def _freedom(body: Body) -> str:
-    return body.constraint if body.moves else "–"
+    """The constraint; of a coupled body that a deck moves in part also what is left to its loads."""
+    if not body.moves:
+        return "–"
+    first = 3 if body.constraint == FIXED_POINT else 0
+    coupled = [drive.coupled for drive in body.drives[first:]]
+    if body.constraint == FIXED_AXIS or all(coupled) or not any(coupled):
+        return body.constraint
+    free = [name for name, is_free in zip(FREEDOMS[first:], coupled, strict=True) if is_free]
+    return f"{body.constraint}, {', '.join(free)} free"
 
 
 def _mass(body: Body) -> tuple[str, str]:
@@ -124,7 +133,7 @@ def _effects_cost(costs: dict) -> Table:
 
 
 def _liquid(liquid: dict, units: str) -> Table:
-    """Volume and energies at the end, what the steps were bounded by, how the pressure was solved (flow/tally.py)."""
+    """Volume and energies at the end, what bounded the steps, how the pressure was solved (flow/observe/tally.py)."""
     table = _table("liquid", ("", "right"))
     for name in ("volume", "kinetic_energy", "potential_energy", "dissipated", "work_boundaries"):
         if liquid.get(name) is not None:

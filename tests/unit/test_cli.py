@@ -280,6 +280,21 @@ def test_check(flowgmo, deck, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["case.nml"]
 
 
+@pytest.mark.parametrize(
+    ("flags", "said"),
+    [
+        ("ivmcal(1)=0, iomxcal(1)=0, iomycal(1)=0,", "six degrees, x, z, turn z free"),
+        ("imoaxs(1)=4, iomxcal(1)=0,", "fixed point, turn y, turn z free"),
+        ("imoaxs(1)=3,", "fixed axis  "),
+    ],
+)
+def test_check_says_what_is_left_to_the_loads(flowgmo, deck, monkeypatch, flags, said):
+    monkeypatch.setenv("COLUMNS", "120")
+    deck(ANVIL.replace("imo(1)=4,", f"imo(1)=4, {flags}"))
+    code, out, err = flowgmo("check", "case.nml")
+    assert code == 0 and said in next(line for line in out.splitlines() if "coupled" in line)
+
+
 def test_check_says_notices(flowgmo, deck):
     deck(ANVIL.replace("iclid=1", "iclid=0").replace("imo(1)=4,", "imo(1)=4, crstrng(1)=.3,"))
     code, out, _ = flowgmo("check", "case.nml")
@@ -306,6 +321,7 @@ def test_explain(flowgmo):
 def test_explain_all(flowgmo):
     code, out, _ = flowgmo("explain")
     assert code == 0 and all(word in out for word in ("&xput", "&mesh", "&obs", "&flowgmo", "twfin", "iclidob"))
+    assert max(map(len, out.splitlines())) <= 80
 
 
 def test_explain_unknown(flowgmo):

@@ -38,7 +38,9 @@ def test_element_set_twice(error) -> None:
     """f90nml keeps the last one; also as a list, in another block, and under an old name."""
     found = error(more="rhomvb(1)=2.,\n")
     assert lines(found) == [(11, "OBS", "rhomvb(1)")] and "in line 10 and in line 11" in str(found)
-    assert lines(error(add_xput="tpltd=1.,2.,3.\n tpltd(2)=1.")) == [(4, "XPUT", "tpltd(2)")]
+    listed = error(add_xput="tpltd=1,5,3.\n tpltd(2)=1.")
+    assert lines(listed) == [(4, "XPUT", "tpltd(2)")]
+    assert "in line 3 by tpltd=1,5,3. and in line 4" in str(listed)  # 1,5 may have been meant as 1.5
     assert lines(error(bcdata="wl=2, ibct(1)=2")) == [(6, "BCDATA", "ibct(1)")]
 
 
@@ -63,8 +65,12 @@ def test_indices_are_absolute(read) -> None:
         ("gz=nan", "gz", "finite"),
         ("gz=-Infinity", "gz", "finite"),
         ("gz=1e999", "gz", "too large"),
-        ("gz=9,81", "gz", "one value is needed"),
+        ("gz=9,81", "gz", "here are 2: 9,81. Write gz=9.81, decimals behind a point"),
+        ("gz=-9.81 # gravity", "gz", "here are 3: -9.81,#,gravity. Write gz= with one value"),
         ("gz=", "gz", "no value"),
+        ("gz=1/2", "", "1/2 is no number; the / ends the block. Write the number itself"),
+        ("resfile=‘abc’", "resfile", "Write resfile='abc'"),
+        ("resfile='abc\n", "", "a quote is opened and not closed"),
         ("gz=1.0.0", "gz", "is not a number"),
         ("imobs2=1", "imobs2", "Did you mean imobs?"),
         ("imobs=1.5", "imobs", "Write imobs=2"),

@@ -95,6 +95,8 @@ PROBLEMS = [
 
 # The deck, the variable that is named, a part of the message: decks that run.
 NOTICES = [
+    ({"xput": "imobs=1, strngmob=.5, frcmob=.3"}, "strngmob=0.5", "without iclid=1; bodies pass through each other"),
+    ({"xput": "imobs=1, frcmob=.3"}, "frcmob=0.3", "Write iclid=1, or iclid=0 if that is meant"),
     ({"xput": "imobs=1", "more": "crstrng(1)=.5"}, "crstrng(1)=0.5", "iclid=0 switches all collisions off"),
     ({"xput": "imobs=1", "more": "cfrc(1)=.5"}, "cfrc(1)=0.5", "iclid=0 switches all collisions off"),
     ({"xput": "imobs=1", "more": "iclidob(1,1)=1"}, "iclidob(1,1)=1", "iclid=0 switches all collisions off"),
@@ -133,6 +135,8 @@ SILENT = [
     {"more": "tobs(2)=1., utobs(1,1)=1.,2., iumcal(1)=0"},
     {"more": "tobs(2)=.1, utobs(1,1)=1.,0., iumcal(1)=0"},
     {"flowgmo": "impact='euler', dpfrac=.02, search='grid', multiple='sequential', hertz=1., resting='micro'"},
+    {"xput": "imobs=1, iclid=0, strngmob=.5, frcmob=.3"},
+    {"xput": "imobs=1, frcmob=.3", "obs": "nobs=0"},
     {"add_xput": "tedit(1)=0, teditdt(1)=0.0, tdtmax(1)=0.0001"},
 ]
 

@@ -45,7 +45,7 @@ PROBLEMS = [
     ({"fl": HALF, "bcdata": "ibct(1)=6, timbct=0.,2.,1."}, "timbct(3)=1.0", "Let the times increase"),
     ({"fl": HALF, "bcdata": "ibct(1)=6, timbct=0.,2., ubct(1,1)=1.,2.,3."}, "ubct(3,1)=3.0", "3 values and 2 times"),
     ({"fl": HALF, "bcdata": "ibct(3)=4"}, "ibct(3)=4", "Ymin is periodic and Ymax is not"),
-    ({"fl": HALF, "bcdata": "ibct(2)=11, flrbct(1,2)=1."}, "ibct(2)=11", "known but not computed"),
+    ({"fl": HALF, "bcdata": "ibct(2)=11, flrbct(1,2)=1."}, "ibct(2)=11", "Write ibct(2)=1, 2, 3, 4, 5, 6 or 8, or run"),
     # values
     ({"fl": HALF, "props": "rhof=-1000."}, "rhof=-1000.", "must be > 0"),
     ({"fl": HALF, "props": "rhof=0."}, "rhof=0.", "must be > 0"),
@@ -57,6 +57,10 @@ PROBLEMS = [
 ]
 
 NOTICES = [
+    ({"fl": HALF, "xput": "twfin=1., itb=1,"}, "itb=1", "gives no gravity. Give gz in &xput"),
+    ({"fl": HALF, "props": WET + "units='metric'"}, "units='metric'", "Write units='si', 'cgs', 'eng', or 'cust'"),
+    ({"fl": HALF, "props": WET + "units='cgs'"}, "gz=-9.81", "of the Earth in m/s^2, and the deck has units='cgs'"),
+    ({"fl": HALF, "xput": "twfin=1., itb=1, gy=-981.", "props": WET + "units='SI'"}, "gy=-981.0", "units='cgs', or"),
     ({"fl": "flht=.5, iflinittyp=0, nfls=1"}, "flht=0.5", "no effect with iflinittyp=0. Write iflinittyp=1"),
     ({"fl": "flht=.5, vlin=.2"}, "vlin=0.2", "no effect with iflinittyp=1"),
     ({"fl": HALF, "bcdata": "ubct(1,3)=.5"}, "ubct(1,3)=0.5", "no effect at the side Ymin with ibct(3)=1"),
@@ -88,6 +92,10 @@ SILENT = [
     {"fl": HALF, "bcdata": "ibct(1)=6, timbct=0.,1., ubct(1,1)=0.,1., wbct(1,1)=.1, fbct(1,1)=1.,0."},
     {"fl": HALF, "bcdata": "ibct(1)=2, vbct(1,1)=.5", "xput": FREE + "ifvisc=1", "props": WET + "mu1=1."},
     {"fl": HALF, "bcdata": "ibct(1)=4,4"},
+    {"fl": HALF, "props": WET + "units='cgs'", "xput": "twfin=1., itb=1, gz=-981."},
+    {"fl": HALF, "props": WET + "units='cgs'", "xput": "twfin=1., itb=1, gz=-10.6"},
+    {"fl": HALF, "props": WET + "units='cust'"},
+    {"fl": HALF, "xput": "twfin=1., itb=1, gz=0.,"},
     {"fl": HALF, "props": WET + "ipgauge=0, units='si'"},
     {"fl": HALF + ", pvoid=1e5", "props": WET + "ipgauge=0", "bcdata": "ibct(6)=5, pbct(1,6)=1e5"},
     {"fl": HALF, "xput": FREE + "igmres=0, ifdynconv=0, epsi=1e-3, omega=1.7", "limits": "itmax=50"},
@@ -138,7 +146,7 @@ def test_the_start_follows_what_is_given(read, fl: str, mode: int) -> None:
 
 def test_ignoring_leaves_bodies_and_liquid(read) -> None:
     """Both are computed together."""
-    ignore = {"flowgmo": "ignore_unsupported=.true.", "props": WET, "add_xput": "itb=1, ifsft=1", "fl": HALF}
+    ignore = {"flowgmo": "ignore_unsupported=.true.", "props": WET, "add_xput": "itb=1, gz=-9.81, ifsft=1", "fl": HALF}
     for deck in (read(**ignore), read(**ignore, obs="nobs=1, iob(1)=1, xl(1)=0.", xput="")):
         assert deck.given("RHOF")
         assert [notice.variable for notice in deck.notices] == ["ifsft=1"]

@@ -69,6 +69,16 @@ def test_plain_lines_keep_to_the_decks_interval_and_to_two_seconds(scenes, tmp_p
     log.close()
 
 
+def test_a_plain_line_fits_a_narrow_terminal(scenes, tmp_path):
+    wall, console = Wall(), Console(file=io.StringIO(), width=80)
+    log = run(scenes, tmp_path, console, wall)
+    wall.now = 45296.0
+    log.progress(1.23456, 123456, 1.2345e-4, 12345, 12)
+    log.close()
+    (line,) = [line for line in console.file.getvalue().splitlines() if line.startswith("t 1.23456")]
+    assert line.endswith("wall 12:34:56")
+
+
 def test_the_bar_is_for_terminals_and_long_runs(scenes, tmp_path):
     for is_terminal, wall_step, wanted in ((True, 1.0, True), (True, 0.001, False), (False, 1.0, False)):
         wall, console = Wall(), terminal(is_terminal)

@@ -20,10 +20,13 @@ def test_every_curve_and_every_command_is_named():
     assert not [name for name in main.commands if f"flowgmo-postproc {name}" not in PAGE]
 
 
-def test_the_script_runs(tank, tmp_path):
-    script = dedent(re.search(r"(?ms)^    import h5py\n.*?(?=^\S)", PAGE)[0])
-    shutil.copy(tank / "history.h5", tmp_path)  # other tests may have it open
-    read = {"folder": tmp_path, "name": "rock"}
-    script = script.replace('body["position"][:, 2], ', "None, ")  # a rock that stands still has a load only
-    exec(script, read)
+def test_the_scripts_run(tank, tmp_path):
+    """As on the page, but for the folder, the body, and its place: a rock that stands still has a load only."""
+    scripts = [dedent(block) for block in re.findall(r"(?m)(?:^(?:    .*)?\n)+", PAGE) if "h5py.File" in block]
+    for name in ("history.h5", "fields.h5"):
+        shutil.copy(tank / name, tmp_path)  # other tests may have it open
+    script = "".join(scripts).replace('Path("decks/gate/gate.out")', "there").replace("bodies/gate", "bodies/rock")
+    read = {"there": tmp_path}
+    exec(script.replace('body["position"][:, 0], ', "None, "), read)
+    assert len(scripts) == 2 and read["depth"].ndim == 2 and np.isfinite(read["depth"]).all()
     assert read["unit"] == "N" and len(read["t"]) == len(read["force"]) and np.isfinite(read["force"]).all()
