@@ -1,13 +1,14 @@
 """The dam break of SPHERIC 2 with flowgmo and with OpenFOAM's interFoam, in turn: `make bench-interfoam`. No test.
 
-    python tests/cost/bench_interfoam.py [end in s, 1] [RESULTS of an earlier run of interFoam]
+    python tests/cost/bench_interfoam.py [end in s, 1] [FOLDER]
 
 The case of interFoam lies in interfoam/: the tank, the number of cells and the walls of decks/dam_break/spheric2.nml;
 air above, no surface tension, no turbulence; the usual schemes, steps up to a Courant number of 1/2, three pressure
 corrections. Version 1912 or a later one of openfoam.com is asked for on the PATH, and mpirun.
 
 Both run with two processes or threads, flowgmo before and after. Printed: wall time, steps, and what
-decks/measure_wet.py finds of each. The height of a gauge is the sum of what its cells hold.
+decks/measure_wet.py finds of each. The height of a gauge is the sum of what its cells hold. Results stay in FOLDER if
+it is given; what interFoam has left there is taken as it is.
 """
 
 from __future__ import annotations
@@ -84,14 +85,15 @@ def of_flowgmo(at: Path) -> tuple[dict[str, float], int]:
 def main() -> None:
     end = float(sys.argv[1]) if len(sys.argv) > 1 else 1.0
     with tempfile.TemporaryDirectory() as folder:
-        home = Path(folder)
-        there = Path(sys.argv[2]) if len(sys.argv) > 2 else home / "interfoam"
-        if len(sys.argv) <= 2 and not shutil.which("interFoam"):
+        home = Path(sys.argv[2] if len(sys.argv) > 2 else folder)
+        home.mkdir(exist_ok=True)
+        done = (home / "interfoam").exists()
+        if not done and not shutil.which("interFoam"):
             sys.exit("interFoam is not on the PATH: install OpenFOAM, of openfoam.com, 1912 or later")
         before = flowgmo(end, home / "flowgmo")
-        theirs = interfoam(end, there) if len(sys.argv) <= 2 else np.nan
+        theirs = np.nan if done else interfoam(end, home / "interfoam")
         after = flowgmo(end, home / "flowgmo")
-        (ours, steps), (others, their_steps) = of_flowgmo(home / "flowgmo"), of_interfoam(there)
+        (ours, steps), (others, their_steps) = of_flowgmo(home / "flowgmo"), of_interfoam(home / "interfoam")
     title(f"dam break to {end:g} s, two cores")
     row("", "flowgmo", "interFoam", width=36)
     row("wall time [s]", f"{before:.1f}", f"{theirs:.1f}", width=36)

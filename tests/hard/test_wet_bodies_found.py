@@ -30,11 +30,12 @@ def test_a_ball_that_hits_the_lid_of_a_full_tank(density, speed, most):
 def test_a_dry_body_near_viscous_liquid(implicit):
     """Along some direction its walls touch no liquid: no friction there. It was a traceback (largest arm of no face).
 
-    Measured: .5 % from free fall, by the cells at the surface that are next to its lowest ones."""
+    Measured: .23 % less than free fall (without viscosity 2e-16), since cells of the surface lie beside its lowest ones,
+    .8 of a cell above; a cell higher 1.7e-6."""
     xput = XPUT + f"ifvisc=1, impvis={implicit},"
     obs = BALL.format(500.0, 0.66, 0.0)
     world, state = play(wet(xput, "rhof=1000., mu1=1.,", "flht=.43,", CUBE, bcdata=CLOSED, obs=obs), 6)
-    assert abs(state.v_WB[0, 2] + 9.81 * state.t) <= 0.01 * 9.81 * state.t
+    assert abs(state.v_WB[0, 2] + 9.81 * state.t) <= 0.004 * 9.81 * state.t
 
 
 @pytest.mark.parametrize(("x", "y"), [(0.45, 0.31), (0.46, 0.3), (0.46, 0.31)])
