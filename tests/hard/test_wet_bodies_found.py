@@ -30,7 +30,7 @@ def test_a_ball_that_hits_the_lid_of_a_full_tank(density, speed, most):
 def test_a_dry_body_near_viscous_liquid(implicit):
     """Along some direction its walls touch no liquid: no friction there. It was a traceback (largest arm of no face).
 
-    Measured: .23 % less than free fall (without viscosity 2e-16), since cells of the surface lie beside its lowest ones,
+    Measured: .23 % less than free fall (2e-16 without viscosity), as cells of the surface lie beside its lowest ones,
     .8 of a cell above; a cell higher 1.7e-6."""
     xput = XPUT + f"ifvisc=1, impvis={implicit},"
     obs = BALL.format(500.0, 0.66, 0.0)
