@@ -28,7 +28,7 @@ class Gauges:
         return self.probes[number][name]
 
 
-def _series(case: str) -> np.ndarray:
+def series(case: str) -> np.ndarray:
     """decks/<case>/measured.csv, by the names of its columns."""
     with (DECKS / case / "measured.csv").open(encoding="utf-8") as file:
         return np.genfromtxt((line for line in file if not line.startswith("#")), delimiter=",", names=True)
@@ -48,7 +48,7 @@ def dam_break(results: Path, deck: str) -> dict[str, float]:
 
 def against_spheric(t: np.ndarray, pressures: tuple, heights: tuple) -> dict[str, float]:
     """P1, P2 (n,) [Pa] and heights (n,) [m] at both gauges, at times t (n,) [s], against the measured ones."""
-    there = _series("dam_break")
+    there = series("dam_break")
     there = there[there["t"] <= t[-1]]
     p1, p2 = pressures
     window = np.linspace(0.39, 0.8, 1000)  # VALIDATION D: the first blow
@@ -57,8 +57,8 @@ def against_spheric(t: np.ndarray, pressures: tuple, heights: tuple) -> dict[str
     found = {
         "P1 peak": p1.max(),
         "P2 peak": p2.max(),
-        "P1 peak of 5 ms means": _means(t, p1, 0.005).max(),
-        "P2 peak of 5 ms means": _means(t, p2, 0.005).max(),
+        "P1 peak of 5 ms means": means(t, p1, 0.005).max(),
+        "P2 peak of 5 ms means": means(t, p2, 0.005).max(),
         "P1 impulse over measured": impulse / measured,
         "arrival over measured": _passes(t, p1, 1000.0) / _passes(there["t"], there["P1"], 1000.0),
     }
@@ -68,7 +68,7 @@ def against_spheric(t: np.ndarray, pressures: tuple, heights: tuple) -> dict[str
     return found
 
 
-def _means(t: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
+def means(t: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
     """Means over windows of this width [time], one beginning at each row."""
     sums = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(t))])
     begin = t[t <= t[-1] - width]
@@ -115,7 +115,7 @@ def martin_moyce(results: Path, deck: str) -> dict[str, float]:
     delayed: the gate of the experiment takes T = t sqrt(2 g / a) = .175 to get out of the way (VALIDATION D).
     """
     a = 0.05715  # 2.25 in, in metres
-    there = _series("martin_moyce")
+    there = series("martin_moyce")
     t, depth, x = depths(results)
     T = t * np.sqrt(2.0 * 9.81 / a)
 
@@ -154,7 +154,7 @@ def farthest(x: np.ndarray, depth: np.ndarray, least: float) -> float:
 def wall_impact(results: Path, deck: str) -> dict[str, float]:
     """Pressure at the sensor on the far wall over rho g H against T = t sqrt(g / H); the water arrives at p = .5."""
     height, g, rho = 0.3, 9.81, 1000.0
-    there = _series("wall_impact")
+    there = series("wall_impact")
     gauges = Gauges(results)
     T, p = gauges.time * np.sqrt(g / height), gauges.probe(1, "p") / (rho * g * height)
     arrivals, impulses = [], []

@@ -8,7 +8,7 @@ corrections. Version 1912 or a later one of openfoam.com is asked for on the PAT
 
 Both run with two processes or threads, flowgmo before and after. Printed: wall time, steps, and what
 decks/measure_wet.py finds of each. The height of a gauge is the sum of what its cells hold. Results stay in FOLDER if
-it is given; what interFoam has left there is taken as it is.
+it is given, with a picture of both; what interFoam has left there is taken as it is.
 """
 
 from __future__ import annotations
@@ -21,17 +21,27 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from tables import row, title
 
 DECKS = Path(__file__).parents[2] / "decks"
 sys.path.insert(0, str(DECKS))
-from measure_wet import Gauges, against_spheric  # noqa: E402
+from measure_wet import Gauges, against_spheric, means, series  # noqa: E402
 
 CASE, DECK = Path(__file__).parent / "interfoam", DECKS / "dam_break/spheric2.nml"
 SETTINGS = Path("/usr/share/openfoam")  # where distributions put them
 CELL, CELLS = 0.02, 50  # [m], along a gauge
+WINDOW = 0.01  # [s] of the picture's means
+
+
+class Series(NamedTuple):
+    """At times t (n,) [s]: pressures P1, P2 (n,) [Pa], heights (n,) [m] at both gauges."""
+
+    t: np.ndarray
+    pressures: tuple[np.ndarray, np.ndarray]
+    heights: tuple[np.ndarray, np.ndarray]
 
 
 def interfoam(end: float, at: Path) -> float:
@@ -67,19 +77,44 @@ def _call(command: list[str], at: Path) -> None:
             sys.exit(f"{' '.join(command)} failed:\n{log.read_text()[-2000:]}")
 
 
-def of_interfoam(at: Path) -> tuple[dict[str, float], int]:
-    """What is measured, and steps."""
+def of_interfoam(at: Path) -> tuple[Series, int]:
+    """What it gauged, and steps."""
     pressures = np.loadtxt(at / "postProcessing/pressure/0/p")
     filled = np.loadtxt(at / "postProcessing/gauges/0/alpha.water")[:, 1:]
     heights = tuple(CELL * filled[:, k * CELLS : (k + 1) * CELLS].sum(axis=1) for k in range(2))
-    return against_spheric(pressures[:, 0], tuple(pressures[:, 1:].T), heights), len(pressures)
+    return Series(pressures[:, 0], tuple(pressures[:, 1:].T), heights), len(pressures)
 
 
-def of_flowgmo(at: Path) -> tuple[dict[str, float], int]:
-    """What is measured, and steps."""
+def of_flowgmo(at: Path) -> tuple[Series, int]:
+    """What it gauged, and steps."""
     gauges = Gauges(at / "spheric2.out")
     values = [(gauges.probe(a, name), gauges.probe(b, name)) for a, b, name in ((1, 2, "p"), (3, 4, "height"))]
-    return against_spheric(gauges.time, *values), json.loads((at / "spheric2.out/run.json").read_text())["steps"]
+    return Series(gauges.time, *values), json.loads((at / "spheric2.out/run.json").read_text())["steps"]
+
+
+def draw(found: dict[str, Series], at: Path) -> None:
+    """P1, P2 in means of 10 ms and both heights, beside what was measured."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    there = series("dam_break")
+    there = there[there["t"] <= max(one.t[-1] for one in found.values())]
+    figure, axes = plt.subplots(2, 2, figsize=(11, 7), layout="constrained")
+    panels = [("P1", "P1 [kPa]", 1e-3), ("P2", "P2 [kPa]", 1e-3), ("h_1488", "height at x = 1.488 m [m]", 1.0),
+              ("h_0992", "height at x = .992 m [m]", 1.0)]  # fmt: skip
+    for n, (axis, (name, label, scale)) in enumerate(zip(axes.flat, panels, strict=True)):
+        axis.plot(there["t"], scale * there[name], "k", lw=1.0, label="measured")
+        for (who, one), colour in zip(found.items(), ("tab:red", "tab:blue"), strict=True):
+            t, values = one.t, (one.pressures + one.heights)[n]
+            if n < 2:
+                values, t = means(t, values, WINDOW), t[t <= t[-1] - WINDOW] + 0.5 * WINDOW
+            axis.plot(t, scale * values, colour, lw=1.2, label=who)
+        axis.set(xlabel="t [s]", ylabel=label, xlim=(0.35 if n < 2 else 0.0, there["t"][-1]))
+        axis.grid(alpha=0.3)
+    axes[0, 0].legend()
+    figure.savefig(at, dpi=90)
 
 
 def main() -> None:
@@ -94,13 +129,16 @@ def main() -> None:
         theirs = np.nan if done else interfoam(end, home / "interfoam")
         after = flowgmo(end, home / "flowgmo")
         (ours, steps), (others, their_steps) = of_flowgmo(home / "flowgmo"), of_interfoam(home / "interfoam")
+        if len(sys.argv) > 2:
+            draw({"flowgmo": ours, "interFoam": others}, home / "curves.png")
     title(f"dam break to {end:g} s, two cores")
     row("", "flowgmo", "interFoam", width=36)
     row("wall time [s]", f"{before:.1f}", f"{theirs:.1f}", width=36)
     row("  again, after it", f"{after:.1f}", "", width=36)
     row("steps", steps, their_steps, width=36)
-    for name, value in ours.items():
-        row(name, f"{value:.5g}", f"{others[name]:.5g}", width=36)
+    found = against_spheric(*others)
+    for name, value in against_spheric(*ours).items():
+        row(name, f"{value:.5g}", f"{found[name]:.5g}", width=36)
 
 
 if __name__ == "__main__":
