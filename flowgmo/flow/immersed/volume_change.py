@@ -5,6 +5,10 @@ V1, and the way there counts as a sweep of its own:
 
     before   V0 F + c (V - V0)  is what V holds       c = 1 where F > 1/2, as in the sweeps: a full cell stays full
     after    c (V - V0) is taken back from V F, and V becomes V1
+
+A cell that is closed before and after may still have open faces: a body was expected to leave it and an impact held it,
+or it opens and closes within the step. What comes in by the first sweep must still be there for the next one, so that
+V is HARDLY in such a cell; after the sweeps it holds too much like others that close.
 """
 
 from __future__ import annotations
@@ -61,6 +65,9 @@ class VolumeChange:
 
     def stretch(self, F: np.ndarray) -> None:
         """Before the sweeps: F (changed) as a share of V."""
+        shut = (self.V0 <= 0.0) & (self.V1 <= 0.0)
+        self.most = np.where(shut, np.maximum(self.most, HARDLY), self.most)
+        self.V[self.rows] = self.most
         here = F[self.rows]
         self.added = np.where(here > 0.5, self.most - self.V0, 0.0)
         filled = self.V0 * here + self.added

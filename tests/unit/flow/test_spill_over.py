@@ -78,6 +78,29 @@ def test_open_fractions_that_change_take_the_liquid_along():
     assert abs(volume(F, grid, V_after) - before) <= 1e-14 * before
 
 
+@pytest.mark.parametrize("number", range(6))
+def test_what_enters_a_cell_that_stays_closed_is_not_lost(number):
+    """Its faces are open by a hundredth, since a body was expected to leave it and an impact held it: what the first
+    sweep brings is still there for the others, in any order of them. Up to 3e-7 was lost here, 1e-8 in decks/stones."""
+    rng = np.random.default_rng(17)
+    block, grid, shape = mesh(even(6), even(6), even(6))
+    V, A = np.ones(shape), [np.ones(shape) for _ in range(3)]
+    shut = (4, 4, 4)
+    V[shut] = 0.0
+    for d, a in enumerate(A):
+        a[shut] = a[tuple(np.array(shut) - np.eye(3, dtype=int)[d])] = 0.01
+    F = np.clip(rng.uniform(-0.2, 1.2, shape), 0, 1)
+    F[shut] = 0.0
+    mirror(F)
+    before = volume(F, grid, V)
+    q = tuple(random_velocity(shape, rng, 0.01))
+    rows = tuple(np.array([k]) for k in shut)
+    change = VolumeChange(rows, np.zeros(1), np.zeros(1), V)
+    move_liquid(Team(1), tracking_of(grid), Flow(*q, None, F, 0.1), Open(V, *A), 0.1, number, mirror, change)
+    assert F[shut] == 0.0 and V[shut] == 0.0
+    assert abs(volume(F, grid, V) - before) <= 1e-14 * before
+
+
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_what_a_small_cell_at_the_edge_of_the_liquid_gives_on_is_not_lost(axis, sign):
