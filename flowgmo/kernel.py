@@ -29,8 +29,8 @@ _of_kernel, _of_inner, _of_flow = pipelines(numba.__version__)
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **_of_kernel)
 inner = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_of_inner)
 #: An inner function of which each kernel holds a copy: for what is done column by column with many arrays. A call hands
-#: over seven numbers for each array and three directions, and does not know that arrays do not overlap: with 30 arrays
-#: both cost as much as a column's work.
+#: over seven numbers and more for each array, and does not know that arrays do not overlap: with 30 arrays a quarter of
+#: advection's time.
 inlined = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True, **_of_inner)
 #: As `kernel`, and releases Python's lock: what threads share that needs arrays of its own.
 free_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, **_of_kernel)
