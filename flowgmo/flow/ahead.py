@@ -52,3 +52,13 @@ def ask_ahead(columns, c, last, a, m, n):
     i, j = np.int64(columns[to, 0]) + m, np.int64(columns[to, 1]) + n
     for k in range(np.int64(columns[to, 2]), np.int64(columns[to, 3]) + LINE - 1, LINE):
         _ask_for(a, i, j, k)
+
+
+@inner
+def ask_ahead_where(columns, c, last, a, lines):
+    """ask_ahead of column c where lines (mesh without z) of the column ahead is not 0."""
+    to = min(c + AHEAD, last - 1)
+    i, j = np.int64(columns[to, 0]), np.int64(columns[to, 1])
+    if lines[i, j] != 0:
+        for k in range(np.int64(columns[to, 2]), np.int64(columns[to, 3]) + LINE - 1, LINE):
+            _ask_for(a, i, j, k)

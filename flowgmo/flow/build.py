@@ -38,8 +38,7 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
     liquid = Liquid(plan, grid, openings, sides, model.gravity, threads, solids.open)
     for body, share in zip(fixed, solids.shares, strict=False):
         liquid.walls[body.number] = (share.cells, share.faces)
-    if liquid.planes is not None:
-        liquid.planes.still = covers is None
+    liquid.solid_lines.still = covers is None
     if covers is not None:
         centres = [np.pad(0.5 * (x[1:] + x[:-1]), G, mode="edge") for x in block.planes]
         covers.share(liquid.team)
@@ -121,7 +120,7 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
         settle_pressure(liquid, flow, model.clock.dt)
     columns = all_columns(liquid.shape)
     of = liquid.team, columns, liquid.grid, liquid.openings, flow, model.fluid.rho, liquid.gravity, DUST
-    whole = total(*of, planes=liquid.planes)
+    whole = total(*of, planes=liquid.planes, solid_lines=liquid.solid_lines)
     liquid.forget_planes()  # what begins may still be given another F
     flow.start_volume, flow.start_energy = whole.volume, whole.kinetic + whole.potential
     return flow

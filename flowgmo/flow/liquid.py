@@ -21,6 +21,7 @@ from flowgmo.flow.momentum.momentum import Momentum
 from flowgmo.flow.observe.tally import Tally
 from flowgmo.flow.pressure.projection import Projector
 from flowgmo.flow.pressure.thin_cells import find_thin_faces
+from flowgmo.flow.solid_lines import SolidLines
 from flowgmo.flow.surface.donor_acceptor import donor_acceptor_flux
 from flowgmo.flow.surface.liquid_flux import plic_flux
 from flowgmo.flow.surface.planes import Planes
@@ -76,10 +77,11 @@ class Liquid:
         self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
         still = openings if still is None else still
         thin = find_thin_faces(still) if inertia_rules(plan, grid, self.gravity) else (None, None, None)
-        self.planes = Planes(grid) if plan.free_surface else None
+        self.solid_lines = SolidLines()
+        self.planes = Planes(grid, self.solid_lines) if plan.free_surface else None
         self.projector = Projector(
             grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor, thin=thin, still=still.V,
-            beta=plan.compressibility, planes=self.planes,
+            beta=plan.compressibility, planes=self.planes, solid_lines=self.solid_lines,
         )  # fmt: skip
         self.acceleration = self._per_direction()
         self.predicted = self._per_direction()
@@ -108,10 +110,14 @@ class Liquid:
     def renew(self, cells: np.ndarray | None = None) -> None:
         """The open fractions have changed, of cells (n, 3) [in C order] and their lower faces, or (None) anywhere:
         sort faces and regions anew."""
-        if self.planes is not None:
-            self.planes.renew()
+        self.forget_planes()
         self.team.run_rows(_do, [self.momentum.sort_faces, self.projector.renew], 1, cells)
         self.momentum.renew(cells)
+
+    @property
+    def lines(self) -> np.ndarray | None:
+        """Lines along z that solids come near (solid_lines.py)."""
+        return self.solid_lines.of(self.openings)
 
     @property
     def planes_last(self) -> bool:
@@ -181,7 +187,7 @@ class Liquid:
     def rates(self, F: np.ndarray | None, velocity: list) -> Rates:
         """How fast the liquid crosses cells with these velocities; its columns are found."""
         courant = self.plan.steps.courant
-        summed, along = courant_rate(self.team, self.near, self.grid, self.openings, F, DUST, velocity)
+        summed, along = courant_rate(self.team, self.near, self.grid, self.openings, self.lines, F, DUST, velocity)
         return Rates(summed, summed if courant <= MOST_COURANT else max(along, MOST_ALONG / courant * summed))
 
     def longest_step(self, flow: Flow, start: float, bodies: float = np.inf) -> float:

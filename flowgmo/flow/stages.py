@@ -100,7 +100,7 @@ def _advance(liquid: Liquid, old: list, F: np.ndarray | None, share: float, dt: 
     """new = old + share dt a, with what the sides give."""
     for d, (a, u, out) in enumerate(zip(liquid.acceleration, old, new, strict=True)):
         if a is not None:
-            liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], u, a, share * dt, out)
+            liquid.team.run(accelerate, liquid.about, liquid.openings[1 + d], liquid.lines, u, a, share * dt, out)
     if liquid.immersed is not None:
         liquid.immersed.hold(new, [g * dt for g in liquid.gravity])
     liquid.sides.let_out(old, new, dt, F)

@@ -28,6 +28,7 @@ import numpy as np
 from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.fields import G, Grid, Open
+from flowgmo.flow.solid_lines import ask_at_solids
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel, inner
 
@@ -118,18 +119,18 @@ def _cut_cells(V, i, j, k0, k1):
 
 
 @flow_kernel
-def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rates):
+def fastest(columns, first, last, grid, per_z, V, opened, lines, F, least, u, v, w, rates):
     """rates[:, c] [1/time] at which liquid (F > least) crosses the columns' cells: in all, along one direction.
 
     The largest of the columns from `first` to c, so that most cells are passed by. per_z: 1 / grid.dz. V: opened.V,
-    told apart so that nothing of solids is compiled where it is None.
+    told apart so that nothing of solids is compiled where it is None. lines: solid_lines.py.
     """
     summed, along = 0.0, 0.0
     for c in range(first, last):
         ask_ahead(columns, c, last, u, 0, 0)
         ask_ahead(columns, c, last, v, 0, 0)
         ask_ahead(columns, c, last, w, 0, 0)
-        ask_ahead(columns, c, last, V, 0, 0)
+        ask_at_solids(columns, c, last, V, lines)
         i = columns[c, 0]
         j = columns[c, 1]
         k0, k1 = np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
@@ -150,7 +151,7 @@ def fastest(columns, first, last, grid, per_z, V, opened, F, least, u, v, w, rat
                 summed = max(summed, rate)
                 along = max(along, most)
         if V is not None:
-            if _cut_cells(V, i, j, k0, k1) > 0:
+            if lines[i, j] != 0 and _cut_cells(V, i, j, k0, k1) > 0:
                 for k in range(columns[c, 2], columns[c, 3]):
                     if 0.0 < V[i, j, k] < 1.0:
                         if F is None or F[i, j, k] > least:
@@ -166,13 +167,15 @@ def courant_rate(
     columns: np.ndarray,
     grid: Grid,
     opened: Open,
+    lines: np.ndarray | None,
     F: np.ndarray | None,
     least: float,
     velocity: list,
 ) -> tuple[float, float]:
-    """The largest rates [1/time] at which liquid (F > least) crosses a cell, see above: in all, along one direction."""
+    """The largest rates [1/time] at which liquid (F > least) crosses a cell, see above: in all, along one direction.
+    lines: solid_lines.py."""
     rates = np.zeros((2, len(columns)))
-    team.run(fastest, columns, grid, 1.0 / grid.dz, opened.V, opened, F, least, *velocity, rates)
+    team.run(fastest, columns, grid, 1.0 / grid.dz, opened.V, opened, lines, F, least, *velocity, rates)
     summed, along = rates.max(axis=1, initial=0.0).tolist()
     return summed, along
 

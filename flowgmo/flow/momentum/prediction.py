@@ -17,25 +17,35 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.ahead import ask_ahead
-from flowgmo.kernel import flow_kernel
+from flowgmo.flow.solid_lines import ask_at_solids
+from flowgmo.kernel import flow_kernel, inlined
+
+
+@inlined
+def _accelerate_column(A, u, a, dt, out, i, j, k0, k1):
+    """One column of `accelerate`."""
+    for k in range(k0, k1):
+        new = u[i, j, k] + dt * a[i, j, k]
+        if A is not None:
+            if A[i, j, k] == 0.0:
+                new = 0.0
+        out[i, j, k] = new
 
 
 @flow_kernel
-def accelerate(columns, first, last, A, u, a, dt, out):
-    """out = u + dt a on the columns' upper faces; 0 where they are closed."""
+def accelerate(columns, first, last, A, lines, u, a, dt, out):
+    """out = u + dt a on the columns' upper faces; 0 where they are closed. lines: solid_lines.py."""
     for c in range(first, last):
-        ask_ahead(columns, c, last, A, 0, 0)
+        ask_at_solids(columns, c, last, A, lines)
         ask_ahead(columns, c, last, u, 0, 0)
         ask_ahead(columns, c, last, a, 0, 0)
         ask_ahead(columns, c, last, out, 0, 0)
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            new = u[i, j, k] + dt * a[i, j, k]
-            if A is not None:
-                if A[i, j, k] == 0.0:
-                    new = 0.0
-            out[i, j, k] = new
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
+        if A is not None:
+            if lines[i, j] != 0:
+                _accelerate_column(A, u, a, dt, out, i, j, k0, k1)
+                continue
+        _accelerate_column(None, u, a, dt, out, i, j, k0, k1)
 
 
 @flow_kernel

@@ -25,14 +25,15 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.ahead import ask_ahead
-from flowgmo.flow.columns import ONE
+from flowgmo.flow.columns import ONE, columns_among
 from flowgmo.flow.face_bits import LAST, NO_BIT, first_bit, start_of, words_of
 from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.observe.places_of_liquid import lean
+from flowgmo.flow.solid_lines import SolidLines, ask_at_solids
 from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.plic import is_mixed
 from flowgmo.flow.team import Team
-from flowgmo.kernel import flow_kernel, inner
+from flowgmo.kernel import flow_kernel, inlined, inner
 
 NO = np.uint64(0)  # no step along a direction; unsigned as ONE
 
@@ -73,11 +74,11 @@ def mean_of_faces(a, A, i, j, k, m, n, o):
 
 
 @inner
-def _ask_for_faces(columns, c, last, u, A):
+def _ask_for_faces(columns, c, last, u, A, lines):
     """Ask ahead for velocities and open areas of the columns' upper faces."""
     if u is not None:
         ask_ahead(columns, c, last, u, 0, 0)
-        ask_ahead(columns, c, last, A, 0, 0)
+        ask_at_solids(columns, c, last, A, lines)
 
 
 @inner
@@ -106,53 +107,80 @@ def _leaning(cut, start, grid, opened, V, planes, F, g, i, j):
     return total
 
 
+@inlined
+def _sums(grid, V, Ax, Ay, Az, F, u, v, w, hx, hy, hz, least, momenta, i, j, k0, k1, start):
+    """Of the cells k0 <= k < k1 of a column, per area: volume, kinetic and potential energy / rho, cells that count as
+    wet, momentum / rho; and bits, from `start` on, of those in which the liquid may lie unevenly. V and A are None
+    where they are 1. Without branches: few are foreseen."""
+    volume, kinetic, potential, wet, cut = 0.0, 0.0, 0.0, 0.0, NO_BIT
+    mx, my, mz = 0.0, 0.0, 0.0
+    for k in range(k0, k1):
+        part = grid.dz[k]
+        apart = False
+        if V is not None:
+            part *= V[i, j, k]
+            apart = V[i, j, k] < 1.0
+        if F is not None:
+            part *= F[i, j, k]
+            apart = apart | is_mixed(F[i, j, k])
+        if hx is not None:
+            potential += part * (hx[i] + hy[j] + hz[k])
+            cut |= ONE << (k - start) if apart & (part > 0.0) else NO_BIT
+        square = mean_square(u, Ax, i, j, k, ONE, NO, NO)
+        square += mean_square(v, Ay, i, j, k, NO, ONE, NO)
+        square += mean_square(w, Az, i, j, k, NO, NO, ONE)
+        volume += part
+        kinetic += 0.5 * part * square
+        if momenta is not None:
+            mx += part * mean_of_faces(u, Ax, i, j, k, ONE, NO, NO)
+            my += part * mean_of_faces(v, Ay, i, j, k, NO, ONE, NO)
+            mz += part * mean_of_faces(w, Az, i, j, k, NO, NO, ONE)
+        counted = part > 0.0
+        if F is not None:
+            counted = counted & (F[i, j, k] > least)
+        wet += 1.0 if counted else 0.0
+    return volume, kinetic, potential, wet, mx, my, mz, cut
+
+
 @flow_kernel
-def sum_columns(columns, first, last, grid, opened, V, planes, F, u, v, w, hx, hy, hz, g, least, sums, momenta):
+def sum_columns(columns, first, last, grid, opened, V, lines, planes, F, u, v, w, hx, hy, hz, g, least, sums, momenta):
     """sums[c] = volume, its kinetic and potential energy / rho, and the cells with F > least, of each column; momenta
     (n, 3): momentum / rho, or None.
 
-    opened: Open, V: opened.V (by itself, since None must be an argument to be pruned); planes (mesh, 4) of F.
+    opened: Open, V: opened.V (by itself, since None must be an argument to be pruned); lines: solid_lines.py; planes
+    (mesh, 4) of F.
     hx, hy, hz (n + 4,) [length2/time2]: -g . x of cell centres along each direction; g (3,) [length/time2]. None
     without gravity.
     """
     for c in range(first, last):
         i = np.uint64(columns[c, 0])
         j = np.uint64(columns[c, 1])
-        _ask_for_faces(columns, c, last, u, opened.Ax)
-        _ask_for_faces(columns, c, last, v, opened.Ay)
-        _ask_for_faces(columns, c, last, w, opened.Az)
-        ask_ahead(columns, c, last, V, 0, 0)
+        _ask_for_faces(columns, c, last, u, opened.Ax, lines)
+        _ask_for_faces(columns, c, last, v, opened.Ay, lines)
+        _ask_for_faces(columns, c, last, w, opened.Az, lines)
+        ask_at_solids(columns, c, last, V, lines)
         ask_ahead(columns, c, last, F, 0, 0)
         volume, kinetic, potential, wet = 0.0, 0.0, 0.0, 0.0
         mx, my, mz = 0.0, 0.0, 0.0
+        free = True
+        if V is not None:
+            free = lines[i, j] == 0
         k0, k1 = _wet_part(F, i, j, columns[c, 2], columns[c, 3])
         for word in range(*words_of(k0, k1)):
-            start, cut = start_of(word), NO_BIT
-            for k in range(max(k0, start), min(k1, start + LAST + ONE)):  # without branches: few are foreseen
-                part = grid.dz[k]
-                apart = False
-                if V is not None:
-                    part *= V[i, j, k]
-                    apart = V[i, j, k] < 1.0
-                if F is not None:
-                    part *= F[i, j, k]
-                    apart = apart | is_mixed(F[i, j, k])
-                if hx is not None:
-                    potential += part * (hx[i] + hy[j] + hz[k])
-                    cut |= ONE << (k - start) if apart & (part > 0.0) else NO_BIT
-                square = mean_square(u, opened.Ax, i, j, k, ONE, NO, NO)
-                square += mean_square(v, opened.Ay, i, j, k, NO, ONE, NO)
-                square += mean_square(w, opened.Az, i, j, k, NO, NO, ONE)
-                volume += part
-                kinetic += 0.5 * part * square
-                if momenta is not None:
-                    mx += part * mean_of_faces(u, opened.Ax, i, j, k, ONE, NO, NO)
-                    my += part * mean_of_faces(v, opened.Ay, i, j, k, NO, ONE, NO)
-                    mz += part * mean_of_faces(w, opened.Az, i, j, k, NO, NO, ONE)
-                counted = part > 0.0
-                if F is not None:
-                    counted = counted & (F[i, j, k] > least)
-                wet += 1.0 if counted else 0.0
+            start = start_of(word)
+            ends, scene = (max(k0, start), min(k1, start + LAST + ONE)), (F, u, v, w, hx, hy, hz, least, momenta, i, j)
+            if free:
+                part = _sums(grid, None, None, None, None, *scene, *ends, start)
+            else:
+                part = _sums(grid, V, opened.Ax, opened.Ay, opened.Az, *scene, *ends, start)
+            volume += part[0]
+            kinetic += part[1]
+            potential += part[2]
+            wet += part[3]
+            mx += part[4]
+            my += part[5]
+            mz += part[6]
+            cut = part[7]
             if hx is not None:
                 potential -= _leaning(cut, start, grid, opened, V, planes, F, g, np.int64(i), np.int64(j))
         area = grid.dx[i] * grid.dy[j]
@@ -189,10 +217,11 @@ def total(
     least: float,
     momentum: np.ndarray | None = None,
     planes: Planes | None = None,
+    solid_lines: SolidLines | None = None,
 ) -> Totals:
     """Totals of the liquid in the columns' cells; F with ghosts filled. least: F of a cell that counts as wet; momentum
-    (3,) [mass length/time]: becomes that of the liquid. planes: the scene's, found here unless they are known."""
-    sums, momenta = np.empty((len(columns), 4)), None if momentum is None else np.empty((len(columns), 3))
+    (3,) [mass length/time]: becomes that of the liquid. planes: the scene's, found here unless they are known; where
+    they are, only columns that hold liquid are looked at. solid_lines: the scene's."""
     g, where = None, (None, None, None)
     if np.any(gravity):
         g, where = tuple(float(x) for x in gravity), heights(grid, gravity)
@@ -200,8 +229,9 @@ def total(
     if g is not None and flow.F is not None:
         planes = planes or Planes(grid)
         planes.find(team, flow.F, openings)
-        at = planes.at
-    opened = openings, openings.V
+        at, columns = planes.at, columns_among(planes.columns, flow.F, -np.inf)
+    sums, momenta = np.empty((len(columns), 4)), None if momentum is None else np.empty((len(columns), 3))
+    opened = openings, openings.V, (solid_lines or SolidLines()).of(openings)
     team.run_uneven(
         sum_columns, columns, grid, *opened, at, flow.F, *flow.velocity, *where, g, least, sums, momenta
     )  # fmt: skip

@@ -23,6 +23,7 @@ from flowgmo.flow.observe.gauges import DUST, Standing, read_probe
 from flowgmo.flow.observe.loads import find_wall, pressure_load, shear_load
 from flowgmo.flow.observe.measures import Totals, total, volume_error
 from flowgmo.flow.observe.planes import find_gate, flow_through
+from flowgmo.flow.solid_lines import SolidLines
 from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.team import Team
 from flowgmo.flow_plan import FluidPlan, LoadPlan
@@ -57,10 +58,10 @@ class Watch:
 
     def __init__(
         self, plan: FluidPlan, block: Block, grid: Grid, openings: Open, gravity: np.ndarray, team: Team, asked: Asked,
-        planes: Planes | None = None,
+        planes: Planes | None = None, solid_lines: SolidLines | None = None,
     ) -> None:  # fmt: skip
-        """planes: the scene's, None: its own."""
-        self.planes = planes
+        """planes, solid_lines: the scene's, None: its own."""
+        self.planes, self.solid_lines = planes, solid_lines
         self.plan, self.grid, self.openings, self.team, self.asked = plan, grid, openings, team, asked
         self.gravity = np.asarray(gravity, dtype=float)
         self.columns = all_columns(tuple(len(d) for d in grid[:3]))
@@ -90,7 +91,7 @@ class Watch:
 
     def _total(self, flow: Flow, momentum: np.ndarray | None = None) -> Totals:
         of = self.team, self.columns, self.grid, self.openings, flow, self.plan.rho, self.gravity, DUST
-        return total(*of, momentum, self.planes)
+        return total(*of, momentum, self.planes, self.solid_lines)
 
     def measure(self, flow: Flow, start: float, passed: np.ndarray, whole: Totals | None = None) -> Values:
         """The values of a Flow with ghosts filled. Pressures are the deck's, forces those against the void's. whole:
@@ -144,7 +145,8 @@ def watch_of(
     moving = still is not None and model.fluid.coupled_together  # else there is no book of momentum
     asked = Asked(model.output.probe_numbers, model.output.probes, names, walls, shear, still, moving)
     (block,) = model.mesh.blocks
-    return Watch(model.fluid, block, liquid.grid, liquid.openings, model.gravity, liquid.team, asked, liquid.planes)
+    scene = liquid.grid, liquid.openings, model.gravity, liquid.team
+    return Watch(model.fluid, block, *scene, asked, liquid.planes, liquid.solid_lines)
 
 
 def between(before: Values, after: Values, t0: float, t1: float, asked: np.ndarray) -> dict[str, np.ndarray]:

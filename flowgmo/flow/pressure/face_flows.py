@@ -12,77 +12,98 @@ from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.pressure.pressure_matrix import open_volume
 from flowgmo.flow.pressure.thin_cells import ease_between
-from flowgmo.kernel import flow_kernel
+from flowgmo.flow.solid_lines import ask_at_solids
+from flowgmo.kernel import flow_kernel, inlined
 
 PUSH = 0.5  # share of an overfull cell's excess that leaves in one step: all of it at once would swing back
 
 
+@inlined
+def _inflow_of_column(grid, V, Ax, Ay, Az, u, v, w, F, p, beta, dt, ease, right, i, j, k0, k1):
+    """One column of `net_inflow`, V and A None where they are 1."""
+    for k in range(k0, k1):
+        total = 0.0
+        if u is not None:
+            S = grid.dy[j] * grid.dz[k]
+            if Ax is not None:
+                total += S * (Ax[i - 1, j, k] * u[i - 1, j, k] - Ax[i, j, k] * u[i, j, k])
+            else:
+                total += S * (u[i - 1, j, k] - u[i, j, k])
+        if v is not None:
+            S = grid.dx[i] * grid.dz[k]
+            if Ay is not None:
+                total += S * (Ay[i, j - 1, k] * v[i, j - 1, k] - Ay[i, j, k] * v[i, j, k])
+            else:
+                total += S * (v[i, j - 1, k] - v[i, j, k])
+        if w is not None:
+            S = grid.dx[i] * grid.dy[j]
+            if Az is not None:
+                total += S * (Az[i, j, k - ONE] * w[i, j, k - ONE] - Az[i, j, k] * w[i, j, k])
+            else:
+                total += S * (w[i, j, k - ONE] - w[i, j, k])
+        most = 1.0
+        if beta is not None:
+            most += beta * max(p[i, j, k], 0.0)
+            total += beta * p[i, j, k] * open_volume(grid, V, i, j, k) / dt
+        if F is not None:  # without a branch: the loop vectorises
+            total += PUSH * max(F[i, j, k] - most, 0.0) * open_volume(grid, V, i, j, k) / ease
+        right[i, j, k] = total
+
+
 @flow_kernel
-def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, u, v, w, F, p, beta, dt, ease, right):
+def net_inflow(columns, first, last, grid, V, Ax, Ay, Az, lines, u, v, w, F, p, beta, dt, ease, right):
     """right = - sum over faces (outward A S u) + source [length3/time] in the columns' cells.
 
     beta [time2 length/mass]: the liquid gives way by this, None without; p: the last pressure. ease [time] >= dt: in it
-    PUSH of what a cell holds too much leaves.
+    PUSH of what a cell holds too much leaves. lines: solid_lines.py.
     """
     for c in range(first, last):
         ask_ahead(columns, c, last, u, 0, 0)
         ask_ahead(columns, c, last, v, 0, 0)
         ask_ahead(columns, c, last, w, 0, 0)
-        ask_ahead(columns, c, last, Ax, 0, 0)
-        ask_ahead(columns, c, last, Ay, 0, 0)
-        ask_ahead(columns, c, last, Az, 0, 0)
-        ask_ahead(columns, c, last, V, 0, 0)
+        ask_at_solids(columns, c, last, Ax, lines)
+        ask_at_solids(columns, c, last, Ay, lines)
+        ask_at_solids(columns, c, last, Az, lines)
+        ask_at_solids(columns, c, last, V, lines)
         ask_ahead(columns, c, last, F, 0, 0)
         ask_ahead(columns, c, last, right, 0, 0)
-        i = columns[c, 0]
-        j = columns[c, 1]
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            total = 0.0
-            if u is not None:
-                S = grid.dy[j] * grid.dz[k]
-                if Ax is not None:
-                    total += S * (Ax[i - 1, j, k] * u[i - 1, j, k] - Ax[i, j, k] * u[i, j, k])
-                else:
-                    total += S * (u[i - 1, j, k] - u[i, j, k])
-            if v is not None:
-                S = grid.dx[i] * grid.dz[k]
-                if Ay is not None:
-                    total += S * (Ay[i, j - 1, k] * v[i, j - 1, k] - Ay[i, j, k] * v[i, j, k])
-                else:
-                    total += S * (v[i, j - 1, k] - v[i, j, k])
-            if w is not None:
-                S = grid.dx[i] * grid.dy[j]
-                if Az is not None:
-                    total += S * (Az[i, j, k - ONE] * w[i, j, k - ONE] - Az[i, j, k] * w[i, j, k])
-                else:
-                    total += S * (w[i, j, k - ONE] - w[i, j, k])
-            most = 1.0
-            if beta is not None:
-                most += beta * max(p[i, j, k], 0.0)
-                total += beta * p[i, j, k] * open_volume(grid, V, i, j, k) / dt
-            if F is not None:  # without a branch: the loop vectorises
-                total += PUSH * max(F[i, j, k] - most, 0.0) * open_volume(grid, V, i, j, k) / ease
-            right[i, j, k] = total
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
+        if V is not None:
+            if lines[i, j] != 0:
+                _inflow_of_column(grid, V, Ax, Ay, Az, u, v, w, F, p, beta, dt, ease, right, i, j, k0, k1)
+                continue
+        _inflow_of_column(grid, None, None, None, None, u, v, w, F, p, beta, dt, ease, right, i, j, k0, k1)
+
+
+@inlined
+def _push_column(b, S, area_z, A, q, step, u, i, j, k0, k1):
+    """One column of `push`."""
+    m, n, o = step
+    for k in range(k0, k1):
+        area = S * area_z[k]
+        if A is not None:
+            area *= A[i, j, k]
+        gained = (q[i, j, k] - q[i + m, j + n, k + o]) * b[i, j, k] / area
+        u[i, j, k] += gained if b[i, j, k] > 0.0 else 0.0
 
 
 @flow_kernel
-def push(columns, first, last, b, area_x, area_y, area_z, A, q, step, u):
-    """u -= (q_upper - q_lower) b / (A S) on the upper faces with b > 0. area_x * area_y * area_z = S (1 for `step`)."""
-    m, n, o = step
+def push(columns, first, last, b, area_x, area_y, area_z, A, lines, q, step, u):
+    """u -= (q_upper - q_lower) b / (A S) on the upper faces with b > 0. area_x * area_y * area_z = S (1 for `step`).
+    lines: solid_lines.py."""
+    m, n, _ = step
     for c in range(first, last):
         ask_ahead(columns, c, last, b, 0, 0)
-        ask_ahead(columns, c, last, A, 0, 0)
+        ask_at_solids(columns, c, last, A, lines)
         ask_ahead(columns, c, last, q, m, n)
         ask_ahead(columns, c, last, u, 0, 0)
-        i = columns[c, 0]
-        j = columns[c, 1]
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
         S = area_x[i] * area_y[j]
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            area = S * area_z[k]
-            if A is not None:
-                area *= A[i, j, k]
-            gained = (q[i, j, k] - q[i + m, j + n, k + o]) * b[i, j, k] / area
-            u[i, j, k] += gained if b[i, j, k] > 0.0 else 0.0
+        if A is not None:
+            if lines[i, j] != 0:
+                _push_column(b, S, area_z, A, q, step, u, i, j, k0, k1)
+                continue
+        _push_column(b, S, area_z, None, q, step, u, i, j, k0, k1)
 
 
 @flow_kernel

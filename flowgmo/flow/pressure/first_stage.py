@@ -28,6 +28,7 @@ from flowgmo.flow.face_bits import LAST, NO_BIT, first_bit, start_of, words_of
 from flowgmo.flow.fields import G
 from flowgmo.flow.pressure.projection import Projector, scale_liquid
 from flowgmo.flow.pressure.thin_cells import ease_between
+from flowgmo.flow.solid_lines import ask_at_solids
 from flowgmo.kernel import flow_kernel, inlined, inner
 
 
@@ -71,12 +72,29 @@ def _at_surface(b, areas, A, V, q, wet, step, p, factor, h, pull, low, i, j, k):
     return gained
 
 
+@inlined
+def _push_amid(b, S, area_z, A, q, wet, step, up, u, i, j, k0, k1, start):
+    """Faces k0 <= k < k1 amid liquid; bits, from `start` on, of those at the surface. Without a branch."""
+    di, dj, _ = step
+    surface = NO_BIT
+    for k in range(k0, k1):
+        plain = (wet[i, j, k] != 0) == (wet[i + di, j + dj, k + up] != 0)
+        area = S * area_z[k]
+        if A is not None:
+            area *= A[i, j, k]
+        gained = (q[i, j, k] - q[i + di, j + dj, k + up]) * b[i, j, k] / area
+        held = b[i, j, k] > 0.0
+        u[i, j, k] += gained if plain & held else 0.0
+        surface |= ONE << (k - start) if held & (not plain) else NO_BIT
+    return surface
+
+
 @flow_kernel
-def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet, d, p, factor, h, pull, u):
+def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, lines, V, q, wet, d, p, factor, h, pull, u):
     """u -= (q_upper - q_lower) b / (A S) on the upper faces along d with b > 0, at the surface as above.
 
     p: of the last step, factor p = q where it was liquid; h (n,) [length]: distances of centres along d; pull
-    [length/time]: |g| dt along d.
+    [length/time]: |g| dt along d. lines: solid_lines.py.
     """
     step = np.int64(d == 0), np.int64(d == 1), np.int64(d == 2)
     di, dj, dk = step
@@ -89,18 +107,17 @@ def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, V, q, wet
         ask_ahead(columns, c, last, q, di, dj)
         ask_ahead(columns, c, last, b, 0, 0)
         ask_ahead(columns, c, last, u, 0, 0)
-        ask_ahead(columns, c, last, A, 0, 0)
+        ask_at_solids(columns, c, last, A, lines)
+        free = True
+        if A is not None:
+            free = lines[i, j] == 0
         for word in range(*words_of(k0, k1)):
-            start, surface = start_of(word), NO_BIT
-            for k in range(max(k0, start), min(k1, start + LAST + ONE)):  # amid liquid: without a branch
-                plain = (wet[i, j, k] != 0) == (wet[i + di, j + dj, k + up] != 0)
-                area = S * area_z[k]
-                if A is not None:
-                    area *= A[i, j, k]
-                gained = (q[i, j, k] - q[i + di, j + dj, k + up]) * b[i, j, k] / area
-                held = b[i, j, k] > 0.0
-                u[i, j, k] += gained if plain & held else 0.0
-                surface |= ONE << (k - start) if held & (not plain) else NO_BIT
+            start = start_of(word)
+            ends = max(k0, start), min(k1, start + LAST + ONE)
+            if free:
+                surface = _push_amid(b, S, area_z, None, q, wet, step, up, u, i, j, *ends, start)
+            else:
+                surface = _push_amid(b, S, area_z, A, q, wet, step, up, u, i, j, *ends, start)
             while surface != NO_BIT:
                 k = start + first_bit(surface)
                 surface &= surface - ONE
@@ -117,9 +134,9 @@ def push_by_last_pressure(projector: Projector, p: np.ndarray, dt: float, veloci
     projector.sides.fill_pressure(projector.q, dt, velocity)
     for d, u in enumerate(velocity):
         if u is not None:
-            V, A = projector.eased, projector.openings[1 + d]
+            V, A, lines = projector.eased, projector.openings[1 + d], projector.lines
             last = p, dt / projector.rho, projector.grid[3 + d], dt * abs(float(projector.sides.gravity[d]))
-            args = (m.b[d], *projector.areas[d], A, V, projector.q, projector.wet, np.int64(d), *last, u)
+            args = (m.b[d], *projector.areas[d], A, lines, V, projector.q, projector.wet, np.int64(d), *last, u)
             for columns in (m.faces, projector.lower_faces[d]):
                 if columns is not None:
                     projector.team.run(push_as_behind, columns, *args)

@@ -43,6 +43,7 @@ from flowgmo.flow.pressure.sealed import Sealed
 from flowgmo.flow.pressure.surface_distance import mark_liquid
 from flowgmo.flow.pressure.thin_cells import ThinFaces, add_rest, multiply
 from flowgmo.flow.pressure.voids import Voids, closed_sides
+from flowgmo.flow.solid_lines import SolidLines
 from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.team import Team
 from flowgmo.mesh import PRESSURE
@@ -118,6 +119,7 @@ class Projector:
         still: np.ndarray | None = None,
         beta: float | None = None,
         planes: Planes | None = None,
+        solid_lines: SolidLines | None = None,
     ) -> None:
         self.grid, self.openings, self.sides, self.team, self.rho, self.beta = grid, openings, sides, team, rho, beta
         self.ease = 0.0  # [time] in which PUSH of an excess leaves, where steps are shorter
@@ -137,7 +139,8 @@ class Projector:
             else ConjugateGradients(shape, widths, self.multigrid, team)
         )
         self.wet = np.zeros(shape, np.int8)
-        self.planes = planes or Planes(grid)
+        self.solid_lines = solid_lines or SolidLines()
+        self.planes = planes or Planes(grid, self.solid_lines)
         self.thin = thin
         self.eased = still if any(t is not None for t in thin) else None
         self.every = all_columns(shape)
@@ -150,6 +153,11 @@ class Projector:
         self.areas = [[np.ones_like(w) if e == d else w for e, w in enumerate(grid[:3])] for d in range(3)]
         self.lower_faces = [self._lower_faces(d) if sides.lower_face_acts(d) else None for d in range(3)]
         self.matrix_scale = 2.0 ** -np.frexp(min(ends))[1]
+
+    @property
+    def lines(self) -> np.ndarray | None:
+        """Lines along z that solids come near (solid_lines.py)."""
+        return self.solid_lines.of(self.openings)
 
     def _lower_faces(self, d: int) -> np.ndarray:
         """Columns of the ghost cells whose upper faces lie on the lower side along d."""
@@ -258,7 +266,8 @@ class Projector:
 
         while again:
             free = self._set_matrix(dt, changed)
-            run(net_inflow, m.columns, self.grid, *self.openings, *velocity, F, p, self.beta, dt, ease, self.right)
+            scene = self.grid, *self.openings, self.lines
+            run(net_inflow, m.columns, *scene, *velocity, F, p, self.beta, dt, ease, self.right)
             voids.enter(self.right)
             if bodies is not None:
                 bodies.source(m.diagonal, dt, ease, self.right)
@@ -393,7 +402,7 @@ class Projector:
         for d in range(3):
             if velocity[d] is not None:
                 step = (int(d == 0), int(d == 1), np.uint64(d == 2))
-                args = (m.b[d], *self.areas[d], self.openings[1 + d], self.q, step, velocity[d])
+                args = (m.b[d], *self.areas[d], self.openings[1 + d], self.lines, self.q, step, velocity[d])
                 self.team.run(push, m.faces, *args)
                 outer = self.lower_faces[d]
                 if outer is not None:

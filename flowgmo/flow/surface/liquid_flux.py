@@ -26,7 +26,7 @@ def plic_flux(columns, first, last, own, dt, F, V, opened, planes, lines, flux):
     """flux [length] of the upper faces of the columns, and of the domain's lower sides beside them.
 
     own Carrier, F [-] with ghosts, V opened.V, opened Open, planes (mesh, 4) of F and lines as of
-    planes.py, flux (mesh) on faces.
+    solid_lines.py, flux (mesh) on faces.
     """
     d, q, A, across, along = own.way.d, own.q, own.A, own.way.across, own.way.along
     for c in range(first, last):

@@ -6,6 +6,7 @@ import numpy as np
 
 from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.fields import G
+from flowgmo.flow.solid_lines import ask_at_solids
 from flowgmo.flow.surface.carriers import U, across_column, ahead
 from flowgmo.kernel import flow_kernel, inlined, kernel
 
@@ -32,40 +33,52 @@ def _restore(carrier, A, i, j, k0, k1, dt, heavy, F):
     _stretch(d, q, A, along, scale, i, j, k0, k1, heavy, F)
 
 
+@inlined
+def _sweep_column(kind, own, A, one, A_one, two, A_two, i, j, k0, k1, dt, F, V, flux, heavy):
+    """One column of `sweep`, V and A None where they are 1. Short loops over k, each with few arrays: with more than
+    that, the compiler does not vectorise."""
+    d, q, across, along = own.way.d, own.q, own.way.across, own.way.along
+    di, dj, dk = ahead(d)
+    if kind & FIRST:
+        for k in range(k0, k1):
+            heavy[i, j, k] = 1 if F[i, j, k] > 0.5 else 0
+    if V is not None:
+        for k in range(k0, k1):
+            F[i, j, k] *= V[i, j, k]
+    scale = across_column(d, across, i, j)
+    for k in range(k0, k1):
+        F[i, j, k] += scale * along[k] * (flux[i - di, j - dj, k - dk] - flux[i, j, k])
+    if (kind & LAST) == 0:
+        _stretch(d, q, A, along, dt * scale, i, j, k0, k1, heavy, F)
+        if V is not None:
+            for k in range(k0, k1):
+                F[i, j, k] /= V[i, j, k] if V[i, j, k] > 0.0 else 1.0
+    if one is not None:
+        _restore(one, A_one, i, j, k0, k1, dt, heavy, F)
+    if two is not None:
+        _restore(two, A_two, i, j, k0, k1, dt, heavy, F)
+
+
 @flow_kernel
-def sweep(columns, first, last, kind, own, A, one, two, dt, F, V, flux, heavy):
+def sweep(columns, first, last, kind, own, A, one, two, dt, F, V, lines, flux, heavy):
     """F after the sweep along own.way; after the LAST, with solids, V F.
 
     own Carrier with its A; one, two: the Carriers of the sweeps before the last one, None in others. flux [length] on
-    the faces of own.way. heavy int8, written in the FIRST sweep: 1 where F > 1/2, and the stretching is undone.
-    Short loops over k, each with few arrays: with more than that, the compiler does not vectorise.
+    the faces of own.way; lines: solid_lines.py. heavy int8, written in the FIRST sweep: 1 where F > 1/2, and the
+    stretching is undone.
     """
-    d, q, across, along = own.way.d, own.q, own.way.across, own.way.along
-    di, dj, dk = ahead(d)
     for c in range(first, last):
         ask_ahead(columns, c, last, F, 0, 0)
         ask_ahead(columns, c, last, flux, 0, 0)
-        ask_ahead(columns, c, last, V, 0, 0)
-        ask_ahead(columns, c, last, q, 0, 0)
+        ask_at_solids(columns, c, last, V, lines)
+        ask_ahead(columns, c, last, own.q, 0, 0)
         i, j, k0, k1 = columns[c, 0], columns[c, 1], U(columns[c, 2]), U(columns[c, 3])
-        if kind & FIRST:
-            for k in range(k0, k1):
-                heavy[i, j, k] = 1 if F[i, j, k] > 0.5 else 0
         if V is not None:
-            for k in range(k0, k1):
-                F[i, j, k] *= V[i, j, k]
-        scale = across_column(d, across, i, j)
-        for k in range(k0, k1):
-            F[i, j, k] += scale * along[k] * (flux[i - di, j - dj, k - dk] - flux[i, j, k])
-        if (kind & LAST) == 0:
-            _stretch(d, q, A, along, dt * scale, i, j, k0, k1, heavy, F)
-            if V is not None:
-                for k in range(k0, k1):
-                    F[i, j, k] /= V[i, j, k] if V[i, j, k] > 0.0 else 1.0
-        if one is not None:
-            _restore(one, one.A, i, j, k0, k1, dt, heavy, F)
-        if two is not None:
-            _restore(two, two.A, i, j, k0, k1, dt, heavy, F)
+            if lines[i, j] != 0:
+                A_one, A_two = None if one is None else one.A, None if two is None else two.A
+                _sweep_column(kind, own, A, one, A_one, two, A_two, i, j, k0, k1, dt, F, V, flux, heavy)
+                continue
+        _sweep_column(kind, own, None, one, None, two, None, i, j, k0, k1, dt, F, None, flux, heavy)
 
 
 @flow_kernel

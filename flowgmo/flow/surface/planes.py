@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.fields import Grid, Open
+from flowgmo.flow.solid_lines import SolidLines
 from flowgmo.flow.surface.liquid_sweep import wet_columns
 from flowgmo.flow.surface.surface_normals import find_planes, find_planes_at_solids, steps_of
 from flowgmo.flow.team import Team
@@ -18,16 +19,15 @@ from flowgmo.flow.team import Team
 
 class Planes:
     """at (mesh, 4): m and alpha (plic.py) of mixed cells, in others nothing that counts. columns (n, 4): of the cells
-    that hold liquid when `find` was last called, the first layer of ghosts among them. lines (mesh without z) int8: 0
-    where no cell of the 3 x 3 lines around is cut, so that V need not be read; None until planes were found. still:
-    the solids never move, so that these are looked for once. 32 bytes per cell."""
+    that hold liquid when `find` was last called, the first layer of ghosts among them. solid_lines: the scene's.
+    32 bytes per cell."""
 
-    def __init__(self, grid: Grid) -> None:
+    def __init__(self, grid: Grid, solid_lines: SolidLines | None = None) -> None:
         shape = tuple(len(d) for d in grid[:3])
         self.at, self.steps = np.zeros((*shape, 4)), steps_of(grid)
         self.columns, self._bounds = np.zeros((0, 4), np.int32), np.zeros((*shape[:2], 2), np.int32)
         self._known: np.ndarray | None = None
-        self.still, self.lines = False, None
+        self.solid_lines = solid_lines or SolidLines()
 
     def find(self, team: Team, F: np.ndarray, opened: Open) -> None:
         """Of all liquid; F [-] with ghosts filled. Nothing is done where they are known."""
@@ -39,13 +39,10 @@ class Planes:
     def find_in(self, team: Team, columns: np.ndarray, F: np.ndarray, opened: Open) -> None:
         """Of the columns' cells, whatever is known; nothing is known of F after."""
         self._known = None
-        V = opened.V
-        if self.lines is None:
-            looked = self.still and V is not None
-            self.lines = _lines_near(V) if looked else np.ones(self.at.shape[:2], np.int8)
-        team.run_uneven(find_planes, columns, F, V, self.steps, self.lines, self.at)
-        if V is not None:
-            team.run_uneven(find_planes_at_solids, columns, F, opened, self.steps, self.lines, self.at)
+        lines = self.solid_lines.of(opened)
+        team.run_uneven(find_planes, columns, F, opened.V, self.steps, lines, self.at)
+        if lines is not None:
+            team.run_uneven(find_planes_at_solids, columns, F, opened, self.steps, lines, self.at)
 
     def are_of(self, F: np.ndarray) -> bool:
         """Whether they were found for this F, and nothing has been forgotten since."""
@@ -54,14 +51,3 @@ class Planes:
     def forget(self) -> None:
         """F or the open fractions are others now."""
         self._known = None
-
-    def renew(self) -> None:
-        """The open fractions are others now."""
-        self._known = self.lines = None
-
-
-def _lines_near(V: np.ndarray) -> np.ndarray:
-    """(mesh without z) int8: 1 in the lines along z that have a cut or closed cell, or one beside them."""
-    cut = np.pad((V < 1.0).any(axis=2), 1)
-    found = [cut[i : i + V.shape[0], j : j + V.shape[1]] for i in range(3) for j in range(3)]
-    return np.any(found, axis=0).astype(np.int8)

@@ -16,7 +16,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.fields import G
+from flowgmo.flow.surface.carriers import U
 from flowgmo.flow.surface.plic import EMPTY
 from flowgmo.kernel import flow_kernel, inner
 
@@ -72,15 +74,18 @@ def _open_area(n, i, j, k, opened, grid):
 
 
 @flow_kernel
-def find_excess(columns, first, last, rest, liquid, V, opened, grid, rate, some):
+def find_excess(columns, first, last, rest, liquid, V, opened, grid, lines, rate, some):
     """rate [length] = excess volume / sum of (weight, area) over the open faces of each cut cell, 0 elsewhere.
 
     liquid V F [-], V at the end of the step, opened with the areas that carried the liquid. rest: it is what found no
-    room, and goes by A V2. some (mesh without z) int8: 1 where a column has such a cell, 0 where it has none.
+    room, and goes by A V2. some (mesh without z) int8: 1 where a column has such a cell, 0 where it has none; rate is
+    not written where no solid comes near the column or one beside it (lines, solid_lines.py).
     """
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
         some[i, j] = 0
+        if not _is_near(lines, i, j):
+            continue
         for k in range(k0, k1):
             rate[i, j, k] = 0.0
             if V[i, j, k] >= 1.0:
@@ -160,19 +165,22 @@ def _gained(rate, share, liquid, size, opened, grid, rest, i, j, k):
 
 
 @flow_kernel
-def settle(columns, first, last, rest, more, F, V, opened, grid, rate, some, share, books):
+def settle(columns, first, last, rest, more, F, V, opened, grid, lines, rate, some, share, books):
     """Hand over the excess, turn V F into F again (with solids: F holds V F before), and note the extremes.
 
-    V at the end of the step, None without solids; rest as of find_excess; more: F stays V F, the rest comes next. books
-    (columns, 3): largest V F - V, least V F [-], and liquid [length^3] of closed cells that found no open neighbour and
-    is lost.
+    V at the end of the step, None without solids; rest and lines as of find_excess; more: F stays V F, the rest comes
+    next. books (columns, 3): largest V F - V, least V F [-], and liquid [length^3] of closed cells that found no open
+    neighbour and is lost.
     """
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
+        ask_ahead(columns, c, last, F, 0, 0)
         over, under, lost = 0.0, 0.0, 0.0
-        near = V is not None and _is_near(some, i, j)
-        for k in range(k0, k1):
-            if V is not None:
+        solid = False
+        if V is not None:
+            solid = lines[i, j] != 0
+            near = _is_near(some, i, j)
+            for k in range(k0, k1 if solid else k0):
                 size, liquid = V[i, j, k], F[i, j, k]
                 now = liquid
                 if near:
@@ -188,6 +196,6 @@ def settle(columns, first, last, rest, more, F, V, opened, grid, rate, some, sha
                     F[i, j, k] = now
                 else:
                     F[i, j, k] = now / size if size > 0.0 else 0.0
-            else:
-                over, under = max(over, F[i, j, k] - 1.0), min(under, F[i, j, k])
+        for k in range(U(k0), U(k0 if solid else k1)):
+            over, under = max(over, F[i, j, k] - 1.0), min(under, F[i, j, k])
         books[c, 0], books[c, 1], books[c, 2] = over, under, lost

@@ -217,16 +217,15 @@ def _choose(g, of_x, of_y, of_z, ok_x, ok_y, ok_z):
 def find_planes(columns, first, last, F, V, steps, lines, planes):
     """planes (mesh, 4): m and alpha of the mixed cells of the columns that are not near solids; others stay.
 
-    V: opened.V; lines (mesh without z) int8: 0 where no cell of the 3 x 3 lines around is cut, so that V is not read.
-    Apart from `find_planes_at_solids`: with its code in one kernel these take half as long again.
+    V: opened.V; lines: solid_lines.py. Apart from `find_planes_at_solids`: with its code in one kernel these take
+    half as long again.
     """
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
-        cut = lines[i, j] != 0
         for k in range(k0, k1):
             if is_mixed(F[i, j, k]):
                 if V is not None:
-                    if cut and near_solids(V, i, j, k):
+                    if lines[i, j] != 0 and near_solids(V, i, j, k):
                         continue
                 m = surface_vector(F, steps.x, steps.y, steps.z, i, j, k)
                 planes[i, j, k, 0], planes[i, j, k, 1], planes[i, j, k, 2] = m

@@ -120,7 +120,7 @@ def move_liquid(
         if change is not None:
             change.restore(F, opened, tracking.grid)
         return Moved(entered, 0.0, 0.0, 0.0)
-    around = widen(wet, 1, F.shape, tracking.bounds)
+    lines, around = planes.solid_lines.of(opened), widen(wet, 1, F.shape, tracking.bounds)
     reached = widen_beyond(planes.columns, 1, F.shape, tracking.bounds)
     orders = ORDERS[len(carriers)]
     order = [carriers[n] for n in orders[number % len(orders)]]
@@ -129,15 +129,15 @@ def move_liquid(
             fill(F)
             if tracking.carry is plic_flux:
                 planes.find_in(team, reached, F, opened)
-        found = planes.at, planes.lines
+        found = planes.at, lines
         team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, *found, tracking.flux)
-        _sweep(team, tracking, wet, order, at, F, opened.V, dt)
+        _sweep(team, tracking, wet, order, at, F, opened.V, lines, dt)
         d = carrier.way.d
         entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
     planes.forget()
     if change is not None:
         change.restore(F, opened, tracking.grid)
-    return Moved(entered, *_settle(team, tracking, wet, around, F, opened))
+    return Moved(entered, *_settle(team, tracking, wet, around, F, opened, lines))
 
 
 def _sweep(
@@ -148,6 +148,7 @@ def _sweep(
     at: int,
     F: np.ndarray,
     V: np.ndarray | None,
+    lines: np.ndarray | None,
     dt: float,
 ) -> None:
     """Sweep number `at` of the order, with the fluxes in tracking.flux."""
@@ -155,7 +156,7 @@ def _sweep(
     before = (*order[:at], None, None)[:2] if last else (None, None)
     kind = (FIRST if at == 0 else 0) | (LAST if last else 0)
     own = order[at]
-    team.run(sweep, wet, kind, own, own.A, *before, dt, F, V, tracking.flux, tracking.heavy)
+    team.run(sweep, wet, kind, own, own.A, *before, dt, F, V, lines, tracking.flux, tracking.heavy)
 
 
 def _passed(team: Team, tracking: Tracking, wet: np.ndarray, d: int) -> np.ndarray:
@@ -173,6 +174,7 @@ def _settle(
     around: np.ndarray,
     F: np.ndarray,
     opened: Open,
+    lines: np.ndarray | None,
 ) -> tuple[float, float, float]:
     """(over, under, lost) once the excess of cut cells has gone to their neighbours; V F has become F."""
     V, reached, more = opened.V, wet, False
@@ -181,13 +183,13 @@ def _settle(
     if V is not None:
         reached = around  # what came as far as the border of wet, and finds no room there, goes one cell beyond it
         donors, left = widen(around, 1, F.shape, tracking.bounds), np.empty(len(around))
-        team.run(find_excess, donors, False, *cells, *rates[:2])
+        team.run(find_excess, donors, False, *cells, lines, *rates[:2])
         team.run(find_shares, around, *cells[1:], *rates)
         team.run(find_left, around, *cells, *rates, left)
         more = bool(left.any())
     books = np.empty((len(reached), 3))
-    team.run(settle, reached, False, more, *cells, *rates, books)
+    team.run(settle, reached, False, more, *cells, lines, *rates, books)
     if more:
-        team.run(find_excess, donors, True, *cells, *rates[:2])
-        team.run(settle, reached, True, False, *cells, *rates, books)
+        team.run(find_excess, donors, True, *cells, lines, *rates[:2])
+        team.run(settle, reached, True, False, *cells, lines, *rates, books)
     return float(books[:, 0].max()), float(books[:, 1].min()), float(books[:, 2].sum())
