@@ -114,7 +114,7 @@ def _look_beside(liquid: Liquid, F: np.ndarray | None) -> None:
     """Find which faces beside the liquid are continued from which others; the surface is set."""
     if F is not None:
         find_sources(
-            liquid.team, liquid.about, liquid.marked, liquid.projector.matrix.b, liquid.openings[1:], F,
+            liquid.team, liquid.about, liquid.marked, liquid.projector.matrix.b, liquid.openings[1:], liquid.lines, F,
             liquid.sides.periodic, DUST, liquid.beside,
         )  # fmt: skip
         liquid.marked = liquid.about

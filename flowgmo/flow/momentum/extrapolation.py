@@ -39,6 +39,7 @@ from flowgmo.flow.face_bits import (
     words_of,
 )
 from flowgmo.flow.fields import G
+from flowgmo.flow.solid_lines import ask_at_solids
 from flowgmo.kernel import flow_kernel, inlined
 
 #: Of `sources`, in place of neighbours: a film below the face, above it
@@ -97,12 +98,12 @@ def forget(columns, first, last, held, closed, some):
 
 
 @flow_kernel
-def mark_faces(columns, first, last, b, A, F, step, side, least, held, closed, free, left):
+def mark_faces(columns, first, last, b, A, lines, F, step, side, least, held, closed, free, left):
     """Sort the upper faces (along `step`, a unit vector, its z unsigned) of the columns' cells into the kinds above.
 
     side: index of the faces on the domain's upper side, -1 where periodic: they are closed, since those on the lower
     side lie in no column, and a mirrored scene must give the mirrored flow.
-    F > least is liquid. left: those that are neither held nor closed.
+    F > least is liquid. lines: solid_lines.py. left: those that are neither held nor closed.
     """
     p, q, r = step
     for c in range(first, last):
@@ -111,7 +112,10 @@ def mark_faces(columns, first, last, b, A, F, step, side, least, held, closed, f
         k0, k1 = np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
         ask_ahead(columns, c, last, F, p, q)
         ask_ahead(columns, c, last, b, 0, 0)
-        ask_ahead(columns, c, last, A, 0, 0)
+        ask_at_solids(columns, c, last, A, lines)
+        solid = False
+        if A is not None:
+            solid = lines[i, j] != 0
         shut_side = NO_BIT if r != 0 or i * p + j * q != side else ALL
         for word in range(*words_of(k0, k1)):
             start = start_of(word)
@@ -120,8 +124,9 @@ def mark_faces(columns, first, last, b, A, F, step, side, least, held, closed, f
                 bit = ONE << (k - start)
                 wet |= bit if max(F[i, j, k], F[i + p, j + q, k + r]) > least else NO_BIT
                 has |= bit if b[i, j, k] > 0.0 else NO_BIT
-                if A is not None:
-                    shut |= bit if A[i, j, k] == 0.0 else NO_BIT
+            if A is not None:
+                for k in range(max(k0, start), min(k1, start + LAST + ONE) if solid else NO_BIT):
+                    shut |= ONE << (k - start) if A[i, j, k] == 0.0 else NO_BIT
             on_side = shut_side
             if r != 0 and np.int64(min(k1, start + LAST + ONE)) - 1 == side:
                 on_side = ONE << (np.uint64(side) - start)
@@ -261,11 +266,11 @@ def stop_faces(columns, first, last, chosen, value):
                 left &= left - ONE
 
 
-def find_sources(team, columns, before, b, A, F, periodic, least, beside) -> None:
+def find_sources(team, columns, before, b, A, lines, F, periodic, least, beside) -> None:
     """Where the velocities of the open faces of the columns' cells come from, for `continue_velocity`.
 
     columns: wider than the liquid by two cells; before: those of the last call, where bits are to be forgotten.
-    b, A, periodic: of u, v, w; b None in absent directions.
+    b, A, periodic: of u, v, w; lines: solid_lines.py; b None in absent directions.
     """
     held, closed, free, some, left, *_ = beside
     team.run(forget, before, held, closed, some)
@@ -274,7 +279,7 @@ def find_sources(team, columns, before, b, A, F, periodic, least, beside) -> Non
             step = (int(d == 0), int(d == 1), int(d == 2))
             side = -1 if periodic[d] else F.shape[d] - G - 1
             args = (F, (*step[:2], np.uint64(step[2])), np.int64(side), least)
-            team.run(mark_faces, columns, b[d], A[d], *args, held, closed, free, none)
+            team.run(mark_faces, columns, b[d], A[d], lines, *args, held, closed, free, none)
             team.run(find_neighbours, columns, none, held, sources, continued, left)
             kinds = held, closed, free, some, left, continued
             team.run(find_films, columns, F, step, periodic[d], least, *kinds, sources)

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -45,9 +46,14 @@ class Weights:
     weight: np.ndarray
     offset: np.ndarray
 
+    @cached_property
+    def at(self) -> tuple[np.ndarray, ...]:
+        """index along each direction."""
+        return tuple(np.ascontiguousarray(self.index.T))
+
     def of(self, a: np.ndarray) -> float:
         """The interpolated value."""
-        return float(self.weight @ a[tuple(self.index.T)])
+        return float(self.weight @ a[self.at])
 
 
 @dataclass(frozen=True)
@@ -65,9 +71,11 @@ class Probe:
 
 
 class Standing:
-    """The Probe of a point among bodies that may move: found again where its surroundings have changed."""
+    """The Probe of a point among bodies that may move: found again where its surroundings have changed. still: nothing
+    moves."""
 
-    def __init__(self, number: int, point: np.ndarray, block: Block, openings: Open) -> None:
+    def __init__(self, number: int, point: np.ndarray, block: Block, openings: Open, *, still: bool = False) -> None:
+        self.still = still
         self.number, self.point, self.block, self.openings = number, point, block, openings
         near = [(min(at), max(at) + 1) for at in zip(*_own_cells(np.asarray(point, float), block), strict=True)]
         self.column = tuple(slice(a + G, b + G) for a, b in near[:2])  # the height is read from all of it
@@ -77,6 +85,8 @@ class Standing:
 
     def now(self) -> Probe:
         """The Probe as it is at present."""
+        if self.still:
+            return self.probe
         seen = self._surroundings()
         if any(not np.array_equal(a, b) for a, b in zip(seen, self.seen, strict=True)) or self._is_far():
             self.probe, self.seen = find_probe(self.number, self.point, self.block, self.openings), seen
@@ -116,8 +126,7 @@ def read_probe(probe: Probe, flow: Flow, openings: Open, dz: np.ndarray, rho: fl
     dz: grid.dz.
     """
     cells = probe.cells
-    at = tuple(cells.index.T)
-    F = np.ones(len(cells.weight)) if flow.F is None else flow.F[at]
+    F = np.ones(len(cells.weight)) if flow.F is None else flow.F[cells.at]
     liquid = float(cells.weight @ (F >= 0.5))
     wet = bool((F > DUST).any())
     out = {"p": cells.of(flow.p) + liquid * rho * float(cells.offset @ gravity)}

@@ -68,7 +68,8 @@ class Watch:
         self.cells = block.cells
         centres = [_with_ghosts(x) for x in block.planes]
         self.probes = [
-            Standing(k, x, block, openings) for k, x in zip(asked.probe_numbers, asked.probe_points, strict=True)
+            Standing(k, x, block, openings, still=solid_lines is not None and solid_lines.still)
+            for k, x in zip(asked.probe_numbers, asked.probe_points, strict=True)
         ]
         self.gates = [(plane.number, find_gate(plane, block)) for plane in plan.planes]
         still = openings if asked.still is None else asked.still

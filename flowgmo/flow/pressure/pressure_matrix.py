@@ -25,7 +25,8 @@ from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.fields import Open
 from flowgmo.flow.pressure.surface_distance import wet_share
-from flowgmo.kernel import flow_kernel, inner
+from flowgmo.flow.solid_lines import ask_at_solids
+from flowgmo.kernel import flow_kernel, inlined, inner
 
 
 @inner
@@ -37,40 +38,49 @@ def open_volume(grid, V, i, j, k):
     return volume
 
 
+@inlined
+def _coefficients_of_column(grid, Ax, Ay, Az, wet, bx, by, bz, i, j, k0, k1):
+    """One column of `face_coefficients`, A None where they are 1."""
+    across_x = grid.dy[j] / grid.hx[i]
+    across_y = grid.dx[i] / grid.hy[j]
+    across_z = grid.dx[i] * grid.dy[j]
+    for k in range(k0, k1):
+        if bx is not None:
+            b = across_x * grid.dz[k] * (wet[i, j, k] * wet[i + 1, j, k])
+            if Ax is not None:
+                b *= Ax[i, j, k]
+            bx[i, j, k] = b
+        if by is not None:
+            b = across_y * grid.dz[k] * (wet[i, j, k] * wet[i, j + 1, k])
+            if Ay is not None:
+                b *= Ay[i, j, k]
+            by[i, j, k] = b
+        if bz is not None:
+            b = across_z / grid.hz[k] * (wet[i, j, k] * wet[i, j, k + ONE])
+            if Az is not None:
+                b *= Az[i, j, k]
+            bz[i, j, k] = b
+
+
 @flow_kernel
-def face_coefficients(columns, first, last, grid, Ax, Ay, Az, wet, bx, by, bz):
+def face_coefficients(columns, first, last, grid, Ax, Ay, Az, lines, wet, bx, by, bz):
     """b [length] of the columns' upper faces between liquid cells, 0 on others. bx None: one cell in that direction.
 
-    wet int8, 1 or 0: the product of both says whether they are liquid, without a branch.
+    wet int8, 1 or 0: the product of both says whether they are liquid, without a branch. lines: solid_lines.py.
     """
     for c in range(first, last):
         ask_ahead(columns, c, last, bx, 0, 0)
         ask_ahead(columns, c, last, by, 0, 0)
         ask_ahead(columns, c, last, bz, 0, 0)
-        ask_ahead(columns, c, last, Ax, 0, 0)
-        ask_ahead(columns, c, last, Ay, 0, 0)
-        ask_ahead(columns, c, last, Az, 0, 0)
-        i = columns[c, 0]
-        j = columns[c, 1]
-        across_x = grid.dy[j] / grid.hx[i]
-        across_y = grid.dx[i] / grid.hy[j]
-        across_z = grid.dx[i] * grid.dy[j]
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
-            if bx is not None:
-                b = across_x * grid.dz[k] * (wet[i, j, k] * wet[i + 1, j, k])
-                if Ax is not None:
-                    b *= Ax[i, j, k]
-                bx[i, j, k] = b
-            if by is not None:
-                b = across_y * grid.dz[k] * (wet[i, j, k] * wet[i, j + 1, k])
-                if Ay is not None:
-                    b *= Ay[i, j, k]
-                by[i, j, k] = b
-            if bz is not None:
-                b = across_z / grid.hz[k] * (wet[i, j, k] * wet[i, j, k + ONE])
-                if Az is not None:
-                    b *= Az[i, j, k]
-                bz[i, j, k] = b
+        ask_at_solids(columns, c, last, Ax, lines)
+        ask_at_solids(columns, c, last, Ay, lines)
+        ask_at_solids(columns, c, last, Az, lines)
+        i, j, k0, k1 = columns[c, 0], columns[c, 1], np.uint64(columns[c, 2]), np.uint64(columns[c, 3])
+        if Ax is not None:
+            if lines[i, j] != 0:
+                _coefficients_of_column(grid, Ax, Ay, Az, wet, bx, by, bz, i, j, k0, k1)
+                continue
+        _coefficients_of_column(grid, None, None, None, wet, bx, by, bz, i, j, k0, k1)
 
 
 @flow_kernel

@@ -186,8 +186,8 @@ class Projector:
         if F is not None and self.openings.V is not None:  # cells that a solid cuts beside the liquid
             near = widen(near, 1, self.q.shape, self.ends)
         counts = np.zeros(len(near), np.int32)
-        openings, at = self.openings, self.planes.at
-        self.team.run_uneven(mark_liquid, near, F, openings.V, openings, at, self.voids.closed, self.wet, counts)
+        solids, at = (self.openings.V, self.openings, self.lines), self.planes.at
+        self.team.run_uneven(mark_liquid, near, F, *solids, at, self.voids.closed, self.wet, counts)
         m.columns = columns_among(near, self.wet, 0)
         m.faces = widen(m.columns, 1, self.q.shape, self.ends)
         if F is not None:
@@ -198,7 +198,7 @@ class Projector:
                 clear_left(before, 0, len(before), self.ends, b)
         for a in self.solver.unknowns:
             run(clear, before, a)
-        run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.wet, *m.b)
+        run(face_coefficients, m.faces, self.grid, *self.openings[1:], self.lines, self.wet, *m.b)
         if F is not None:
             self._reach_surface(F)
         for d, (b, thin) in enumerate(zip(m.b, self.thin, strict=True)):

@@ -19,6 +19,7 @@ import math
 from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.pressure.lids import may_have_lid
 from flowgmo.flow.pressure.pockets import POCKET
+from flowgmo.flow.solid_lines import ask_at_solids
 from flowgmo.flow.surface.cut_level import holds_below
 from flowgmo.flow.surface.plic import FULL, crossing, is_mixed, is_plane
 from flowgmo.flow.surface.surface_normals import near_solids, plane_at
@@ -30,7 +31,7 @@ NEAREST = 1e-3  # least share of h, and depth of the centre of a liquid cell in 
 
 
 @flow_kernel
-def mark_liquid(columns, first, last, F, V, opened, planes, closed, wet, lids):
+def mark_liquid(columns, first, last, F, V, opened, lines, planes, closed, wet, lids):
     """wet (int8, mesh) = 1 in cells whose centre lies in the liquid, 0 in the others of the columns.
 
     F None: no free surface, all open cells. In cells that a solid cuts the plane decides, since F is a share of what is
@@ -38,23 +39,27 @@ def mark_liquid(columns, first, last, F, V, opened, planes, closed, wet, lids):
     1 / theta would be cut off, and cells that round-off makes wet or dry would have pressures apart by 1e-3 rho g h:
     water at rest swung at .2 m/s. Others that a solid cuts are POCKET (pockets.py). lids
     (columns,): how many of the cells are that or may have a void under a closed face (lids.py, with `closed`).
+    lines: solid_lines.py.
     """
     for c in range(first, last):
         ask_ahead(columns, c, last, F, 0, 0)
-        ask_ahead(columns, c, last, V, 0, 0)
+        ask_at_solids(columns, c, last, V, lines)
         ask_ahead(columns, c, last, wet, 0, 0)
         i = columns[c, 0]
         j = columns[c, 1]
         lids[c] = 0
+        solid = False
+        if V is not None:
+            solid = lines[i, j] != 0
         for k in range(columns[c, 2], columns[c, 3]):
             liquid = True
             if F is not None:
                 liquid = F[i, j, k] >= 0.5 + NEAREST
             if V is not None:
-                if V[i, j, k] == 0.0:
+                if solid and V[i, j, k] == 0.0:
                     liquid = False
                 elif F is not None:
-                    if DRY < F[i, j, k] < WET and near_solids(V, i, j, k):
+                    if solid and DRY < F[i, j, k] < WET and near_solids(V, i, j, k):
                         m, alpha = plane_at(planes, i, j, k)
                         if is_plane(m):
                             size = abs(m[0]) + abs(m[1]) + abs(m[2])
@@ -65,7 +70,7 @@ def mark_liquid(columns, first, last, F, V, opened, planes, closed, wet, lids):
                     if may_have_lid(F, opened, closed, i, j, k):
                         lids[c] += 1
                 if V is not None:
-                    if not liquid and 0.0 < V[i, j, k] < 1.0:
+                    if solid and not liquid and 0.0 < V[i, j, k] < 1.0:
                         wet[i, j, k] = POCKET
                         lids[c] += 1
 

@@ -36,7 +36,7 @@ def continued(columns, b, A, F, u, d):
     present = tuple(e == d for e in range(3))
     beside = make_beside(F.shape, present)
     only = [[x if there else None for there in present] for x in (b, A, u)]
-    find_sources(Team(1), columns, columns, only[0], only[1], F, (False,) * 3, 1e-9, beside)
+    find_sources(Team(1), columns, columns, only[0], only[1], None, F, (False,) * 3, 1e-9, beside)
     continue_velocity(Team(1), columns, only[2], beside)
     return kinds_of(beside, d)
 
@@ -126,13 +126,13 @@ def test_a_film_stays_on_its_floor_and_marks_are_forgotten():
     w = np.zeros(SHAPE)
     w[5, 5, 4], w[5, 5, 8] = -2.0, 2.0
     beside = make_beside(SHAPE, (False, False, True))
-    b = [None, None, np.zeros(SHAPE)]
-    find_sources(Team(1), columns, columns[:0], b, [None, None, A], F, (False,) * 3, 1e-9, beside)
+    b, solid = [None, None, np.zeros(SHAPE)], np.ones(SHAPE[:2], np.int8)
+    find_sources(Team(1), columns, columns[:0], b, [None, None, A], solid, F, (False,) * 3, 1e-9, beside)
     away = w.copy()
     away[5, 5, 4], away[5, 5, 8] = 2.0, -2.0
     continue_velocity(Team(1), columns, [None, None, w], beside)
     continue_velocity(Team(1), columns, [None, None, away], beside)
     assert w[5, 5, 4] == w[5, 5, 8] == 0.0
     assert away[5, 5, 4] == 2.0 and away[5, 5, 8] == -2.0
-    find_sources(Team(1), columns[:0], columns, b, [None, None, A], F, (False,) * 3, 1e-9, beside)
+    find_sources(Team(1), columns[:0], columns, b, [None, None, A], solid, F, (False,) * 3, 1e-9, beside)
     assert not any(bits.any() for bits in (beside.held, beside.closed, beside.some))
