@@ -24,8 +24,8 @@ LINE = 8  # values of 8 bytes that come together: 64 bytes
 
 
 @intrinsic
-def _ask_for(typing: Any, a: Any, i: Any, j: Any, k: Any) -> tuple:
-    """llvm.prefetch of a[i, j, k], to be read and kept."""
+def ask_for(typing: Any, a: Any, i: Any, j: Any, k: Any) -> tuple:
+    """Ask for a[i, j, k], to be read and kept: llvm.prefetch."""
 
     def emit(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         array = context.make_array(a)(context, builder, values[0])
@@ -51,7 +51,7 @@ def ask_ahead(columns, c, last, a, m, n):
     to = min(c + AHEAD, last - 1)
     i, j = np.int64(columns[to, 0]) + m, np.int64(columns[to, 1]) + n
     for k in range(np.int64(columns[to, 2]), np.int64(columns[to, 3]) + LINE - 1, LINE):
-        _ask_for(a, i, j, k)
+        ask_for(a, i, j, k)
 
 
 @inner
@@ -61,4 +61,4 @@ def ask_ahead_where(columns, c, last, a, lines):
     i, j = np.int64(columns[to, 0]), np.int64(columns[to, 1])
     if lines[i, j] != 0:
         for k in range(np.int64(columns[to, 2]), np.int64(columns[to, 3]) + LINE - 1, LINE):
-            _ask_for(a, i, j, k)
+            ask_for(a, i, j, k)

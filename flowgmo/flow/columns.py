@@ -144,6 +144,20 @@ def cells_in(columns: np.ndarray) -> int:
 
 
 @kernel
+def extent_of(columns, shape):
+    """(3, 2) int64: the first and one past the last cell of the columns along each direction; shape (3,) of the mesh
+    with ghosts, in place of the first where there are none."""
+    ends = np.zeros((3, 2), np.int64)
+    ends[:, 0] = shape
+    for c in range(columns.shape[0]):
+        for d in range(3):
+            low = columns[c, d]
+            high = columns[c, 3] if d == 2 else low + 1
+            ends[d, 0], ends[d, 1] = min(ends[d, 0], low), max(ends[d, 1], high)
+    return ends
+
+
+@kernel
 def columns_under(columns, factors, ends):
     """Columns of the coarse cells that hold the given fine ones; factors (fx, fy, fz).
 

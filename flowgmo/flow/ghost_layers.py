@@ -4,6 +4,9 @@ closed       -a  0 | a       the side itself 0, mirrored beyond with the other s
 joined        b  c | .. b c  the cells of the other side
 given         U  U | a       along the side as across it
 all others    a  a | a       mirrored along the side; across it, as on the side
+
+Velocities need no ghosts at a closed side that is far from the liquid: nothing reads them. Those above and below lie in
+another line of memory for each column, so that it takes as long to fill them as all the others.
 """
 
 from __future__ import annotations
@@ -12,12 +15,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flowgmo.flow.columns import extent_of
 from flowgmo.flow.fields import G
 from flowgmo.flow.layers import SET, Layers, as_arguments
 from flowgmo.flow_plan import SidePlan, SideValues
 from flowgmo.mesh import PERIODIC, SYMMETRY, VELOCITY, WALL
 
 CLOSED = (SYMMETRY, WALL)
+FAR = 2  # cells between the widest columns that kernels visit and a side: as far as they read beside them
+OF_VELOCITY = ("across", "around", "shut", "loose")
 
 
 class GhostLayers:
@@ -26,7 +32,15 @@ class GhostLayers:
     def __init__(self, plans: Sequence[SidePlan], n: tuple[int, ...]) -> None:
         self.plans, self.n = tuple(plans), n
         self.values: Sequence[SideValues] = ()
-        self.kept: dict[tuple[str, int], tuple[np.ndarray, np.ndarray]] = {}
+        self.far = (False,) * 6
+        self.kept: dict[tuple, tuple[np.ndarray, np.ndarray]] = {}
+
+    def stay_near(self, columns: np.ndarray) -> None:
+        """Velocities are read in these columns, and beside them as far as FAR, only: leave sides beyond as they are."""
+        ends = extent_of(columns, np.array(self.n) + 2 * G)
+        away = [(low - G, n + G - high) for (low, high), n in zip(ends, self.n, strict=True)]
+        away = [cells for pair in away for cells in pair]
+        self.far = tuple(plan.kind in CLOSED and int(m) >= FAR for plan, m in zip(self.plans, away, strict=True))
 
     def take(self, values: Sequence[SideValues]) -> None:
         """The values of the sides from now on."""
@@ -41,9 +55,16 @@ class GhostLayers:
         sides), changed (a change of it), loose (its closed sides as one face inside), mirrored (cells beyond side
         `number`).
         """
-        if (kind, number) not in self.kept:
-            self.kept[kind, number] = as_arguments(getattr(self, "_" + kind)(number))
-        return self.kept[kind, number]
+        far = self.far if kind in OF_VELOCITY else ()
+        key = kind, number, far
+        if key not in self.kept:
+            layers = getattr(self, "_" + kind)(number)
+            self.kept[key] = as_arguments([row for row in layers if not (any(far) and far[self._side_of(*row[:2])])])
+        return self.kept[key]
+
+    def _side_of(self, d: int, layer: int) -> int:
+        """The side that a ghost layer along d, or the layer of a side's own faces, belongs to."""
+        return 2 * d + (layer > G)
 
     def beyond(self, d: int, upper: bool) -> list[tuple[int, int, int]]:
         """(ghost, its mirror image inside, its image on the other side) of both layers."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_for
 from flowgmo.flow.fields import G
 from flowgmo.kernel import inner, kernel
 
@@ -74,7 +75,7 @@ def fill_layers(a, rows, factors):
     """One after the other: layer `to` along d becomes factor times layer `source`, or factor where that is SET.
 
     rows (n, 3) int64: d, to, source; factors (n,). All layers of an array in one call: many calls cost more than these.
-    Those along z that follow one another are done line by line: each cell of such a layer is in another line of memory.
+    Those along z that follow one another are done together: each cell of such a layer is in another line of memory.
     """
     n = 0
     while n < len(rows):
@@ -92,12 +93,20 @@ def fill_layers(a, rows, factors):
 
 @inner
 def _fill_lines(a, rows, factors):
-    """fill_layers along z."""
+    """fill_layers along z: of the lines of one i after another, which stay near the processor meanwhile."""
     for i in range(a.shape[0]):
         for j in range(a.shape[1]):
-            for n in range(len(rows)):
-                to, source = rows[n, 1], rows[n, 2]
-                a[i, j, to] = factors[n] if source == SET else factors[n] * a[i, j, source]
+            ask_for(a, i + 1, j, rows[0, 1])
+            ask_for(a, i + 1, j, rows[-1, 1])
+        for n in range(len(rows)):
+            to, factor = np.uint64(rows[n, 1]), factors[n]
+            if rows[n, 2] == SET:
+                for j in range(a.shape[1]):
+                    a[i, j, to] = factor
+            else:
+                source = np.uint64(rows[n, 2])
+                for j in range(a.shape[1]):
+                    a[i, j, to] = factor * a[i, j, source]
 
 
 def as_arguments(layers: Layers) -> tuple[np.ndarray, np.ndarray]:

@@ -142,6 +142,8 @@ class Liquid:
             self.near = columns_among(self.planes.columns, F, DUST) if known else columns_where(F, DUST)
             self.faces = widen(self.near, 1, self.shape, self.ends)
             self.about = widen(self.near, 2, self.shape, self.ends)
+            if self.immersed is None:  # bodies have velocities in the air too
+                self.sides.ghosts.stay_near(self.about)
 
     def _have_left(self, F: np.ndarray, cells: np.ndarray, before: np.ndarray) -> bool:
         """Whether other columns hold the liquid than `near`, since cells (n, 3) held `before` (n,)."""

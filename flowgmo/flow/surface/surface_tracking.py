@@ -109,10 +109,10 @@ def move_liquid(
     carriers = [Carrier(q, A, way) for q, A, way in own if q is not None]
     if change is not None:
         change.stretch(F)
-    fill(F)
     entered = np.zeros(6)
     planes = tracking.planes
     if not known:
+        fill(F)
         planes.forget()
         planes.find(team, F, opened)
     wet = widen(planes.columns, 1, F.shape, tracking.bounds)
