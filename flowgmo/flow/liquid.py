@@ -28,7 +28,7 @@ from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.surface_tracking import tracking_of
 from flowgmo.flow.team import Team
 from flowgmo.flow.time_step import courant_rate, surface_limit
-from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT, FluidPlan, speed_in_sight
+from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT, MOST_SUM, FluidPlan, speed_in_sight
 from flowgmo.mesh import PRESSURE, VELOCITY
 
 DUST = 1e-6  # of a cell: less takes no part; it is what the pressure's tolerance leaves in a step (stages.TOLERANCE).
@@ -44,11 +44,14 @@ class Rates(NamedTuple):
     """How fast the liquid crosses cells [1/time].
 
     summed: largest of a cell (time_step.py); dt times this is the Courant number. bounding: the same, and with a CON
-    above MOST_COURANT the larger of the largest along one direction and of the sums by their own weight.
+    above MOST_COURANT the larger of the largest along one direction and of the sums by their own weight: MOST_ALONG is
+    aimed at. trying: the same by the weight of the largest CON, whatever the deck's: a step in which it gets above
+    MOST_COURANT is tried again.
     """
 
     summed: float
     bounding: float
+    trying: float
 
 
 class Liquid:
@@ -190,7 +193,9 @@ class Liquid:
         """How fast the liquid crosses cells with these velocities; its columns are found."""
         courant = self.plan.steps.courant
         summed, along = courant_rate(self.team, self.near, self.grid, self.openings, self.lines, F, DUST, velocity)
-        return Rates(summed, summed if courant <= MOST_COURANT else max(along, MOST_ALONG / courant * summed))
+        if courant <= MOST_COURANT:
+            return Rates(summed, summed, summed)
+        return Rates(summed, max(along, MOST_ALONG / courant * summed), max(along, MOST_ALONG / MOST_SUM * summed))
 
     def longest_step(self, flow: Flow, start: float, bodies: float = np.inf) -> float:
         """How long the next step may be [time]; `limiting` names what bounds it. start: DELT, for the first step;

@@ -158,7 +158,7 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
         raise StepTooLong(f"the pressure did not converge in {solved.iterations} iterations")
     _continue(liquid, flow, new)
     rates = liquid.rates(flow.F, new)
-    liquid.courant, liquid.stride = rates.summed * dt, rates.bounding * dt / MOST_COURANT
+    liquid.courant, liquid.stride = rates.summed * dt, rates.trying * dt / MOST_COURANT
     if liquid.stride > 1.0:
         raise StepTooLong(f"the liquid crosses {liquid.courant:.3g} of a cell in a step")
     if liquid.momentum.work is not None:
@@ -185,7 +185,7 @@ def answer_impulses(
     _continue(liquid, flow, new)
     rates = liquid.rates(flow.F, new)
     liquid.courant = max(liquid.courant, rates.summed * dt)
-    liquid.stride = max(liquid.stride, rates.bounding * dt / MOST_COURANT)
+    liquid.stride = max(liquid.stride, rates.trying * dt / MOST_COURANT)
     return projector.q
 
 
