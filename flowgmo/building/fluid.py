@@ -9,7 +9,17 @@ from flowgmo.building.gauges import build_loads, build_planes, check_probes
 from flowgmo.building.liquid import build_start
 from flowgmo.building.memory import check_memory
 from flowgmo.building.wet_bodies import check_wet_bodies
-from flowgmo.flow_plan import GROWTH, MOST_COURANT, MOST_SUM, CleanUp, FilmPlan, FluidPlan, PressurePlan, StepPlan
+from flowgmo.flow_plan import (
+    GROWTH,
+    MOST_ALONG,
+    MOST_COURANT,
+    MOST_SUM,
+    CleanUp,
+    FilmPlan,
+    FluidPlan,
+    PressurePlan,
+    StepPlan,
+)
 from flowgmo.mesh import Mesh
 
 #: what the pressure does to the step; multigrid needs 3 to 9 iterations at any step, so that their number says nothing
@@ -89,9 +99,12 @@ def _film(found: Findings, bodies: tuple[Body, ...], mu: float | None) -> FilmPl
 def _steps(found: Findings, bodies: tuple[Body, ...]) -> StepPlan:
     deck = found.deck
     courant, most = float(deck["CON"]), MOST_SUM
+    moved = any(body.kind != SOLID for body in bodies)
     why = "beyond which the velocity is no longer stable"
-    if any(body.kind != SOLID for body in bodies):
-        most, why = MOST_COURANT, "up to which the liquid's fractions stay within bounds beside bodies that move"
+    if moved or MOST_ALONG < courant <= MOST_COURANT:
+        most, why = MOST_ALONG, f"a tenth less than {MOST_COURANT:g}, for what grows within a step"
+    if moved:
+        why += f": up to {MOST_COURANT:g} the liquid's fractions stay within bounds beside bodies that move"
     if courant > most:
         found.notice("CON", wrong=f"taken as con={most:g}, {why}")
         courant = most

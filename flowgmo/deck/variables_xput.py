@@ -16,7 +16,7 @@ THPLTD | real | k | TWFIN/1000 | time | > 0 | M | interval of history rows
 TEDIT | real | k | - | time | >= 0 | M D1 | time at which interval k of the output intervals ends
 = computed, needs liquid
 AUTOT | real | | 1.0 | - | 0 1 2 | M S | 0 keeps the step, 1 fits it to stability and pressure solution, 2 to stability
-CON | real | | 0.45 | - | > 0 | M S | part of a cell that comes in or goes out in a step, to 0.9, with bodies 0.5
+CON | real | | 0.45 | - | > 0 | M S | part of a cell that comes in or goes out in a step, to 0.9, with bodies 0.45
 CONFS | real | | 1.0 | - | > 0 | M | safety factor of the step limit of surface waves
 = accepted
 FRCFIN | real | | 1.0 | - | 0..1 | M D3 | part that ends the run with IFIN 2 and 3
