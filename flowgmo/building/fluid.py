@@ -55,7 +55,7 @@ def build_fluid(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> FluidP
         steps=_steps(found, bodies),
         pressure=PressurePlan(float(deck["EPSADJ"]), int(deck["ITMAX"]), plain_sor=deck["IGMRES"] == 0),
         clean_up=_clean_up(found),
-        start=build_start(found, mesh, void_pressure),
+        start=build_start(found, mesh, bodies, void_pressure),
         sides=sides,
         planes=build_planes(found, mesh),
         loads=build_loads(found, bodies),

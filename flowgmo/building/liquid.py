@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.bodies.body import Body
 from flowgmo.building.findings import Findings
+from flowgmo.building.liquid_in_bodies import check_liquid_in_bodies
 from flowgmo.building.shapes import build_limits, build_quadric, build_transform
 from flowgmo.deck import Deck
 from flowgmo.flow_plan import LiquidRegion, LiquidStart
@@ -12,8 +14,9 @@ from flowgmo.geometry import Component, GeometryError, Piece
 from flowgmo.mesh import PRESSURE, VELOCITY, Mesh
 
 
-def build_start(found: Findings, mesh: Mesh, void_pressure: float) -> LiquidStart:
-    """The liquid at t = 0. Problems: regions without a shape or outside the mesh, more liquid than space, none."""
+def build_start(found: Findings, mesh: Mesh, bodies: tuple[Body, ...], void_pressure: float) -> LiquidStart:
+    """The liquid at t = 0. Problems: regions without a shape or outside the mesh, more liquid than space, none, or none
+    outside of the bodies."""
     deck = found.deck
     mode = int(deck["IFLINITTYP"]) if deck["ITB"] == 1 else 0
     regions = [_region(found, r, mesh, void_pressure) for r in _switched_on(deck)]
@@ -28,11 +31,15 @@ def build_start(found: Findings, mesh: Mesh, void_pressure: float) -> LiquidStar
     space = float(np.prod(np.ptp(mesh.bounds, axis=0)))
     if start.volume is not None and start.volume > space:
         found.problem("VLIN", wrong=f"the domain holds {space:.6g} only", write="Write a smaller volume")
-    if deck["ITB"] == 1 and not found.problems and not _any_liquid(deck, start, mesh):
-        found.problem(
-            "RHOF", wrong="there is no liquid at the start, and no side of the domain brings any",
-            write="Write flht=... in &fl (or vlin, or a region, or itb=0 for a domain full of liquid)",
-        )  # fmt: skip
+    if deck["ITB"] == 1 and not found.problems:
+        entering = _enters(deck, mesh)
+        if not entering and not _any_liquid(start, mesh):
+            found.problem(
+                "RHOF", wrong="there is no liquid at the start, and no side of the domain brings any",
+                write="Write flht=... in &fl (or vlin, or a region, or itb=0 for a domain full of liquid)",
+            )  # fmt: skip
+        places = [_place(deck, r) for r in _switched_on(deck)]
+        check_liquid_in_bodies(found, mesh, bodies, start, places, entering)
     return start
 
 
@@ -88,12 +95,15 @@ def _place(deck: Deck, r: int) -> tuple:
     return (min(given, key=lambda name: deck.where(name, r).line), r) if given else ("NFLS",)
 
 
-def _any_liquid(deck: Deck, start: LiquidStart, mesh: Mesh) -> bool:
-    """Whether liquid stands somewhere at the start, or may enter later."""
+def _any_liquid(start: LiquidStart, mesh: Mesh) -> bool:
+    """Whether liquid stands somewhere at the start."""
     if start.height is not None and start.height > mesh.bounds[0, 2] or (start.volume or 0.0) > 0.0:
         return True
-    if any(region.adds and region.fraction > 0.0 for region in start.regions):
-        return True
+    return any(region.adds and region.fraction > 0.0 for region in start.regions)
+
+
+def _enters(deck: Deck, mesh: Mesh) -> bool:
+    """Whether liquid may come in through a side later."""
     for side in mesh.sides:
         if side.kind in (PRESSURE, VELOCITY):
             table = "FLHTBCT" if deck.at("IHPBCT", side.number + 1) else "FBCT"

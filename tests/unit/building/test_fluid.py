@@ -193,7 +193,8 @@ def test_a_solid_that_fills_the_mesh(problems, shape):
 
 @pytest.mark.parametrize("shape", ["zl(1)=.001,", "rsh(1)=2.5,", "xl(1)=-1., xh(1)=2., roty(1)=-2.,"])
 def test_a_solid_that_leaves_room(build, shape):
-    assert build(wet(obs=f"nobs=1, iob(1)=1, {shape}")).fluid is not None
+    """Filled to the lid: the ball leaves a corner there only."""
+    assert build(wet(fl="flht=1.5,", obs=f"nobs=1, iob(1)=1, {shape}")).fluid is not None
 
 
 def test_more_memory_than_there_is(problems, build, monkeypatch):
