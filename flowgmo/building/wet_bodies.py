@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flowgmo.bodies.body import COUPLED, FIXED_AXIS, FIXED_POINT, SOLID, Body
+from flowgmo.bodies.body import COUPLED, FIXED_AXIS, FIXED_POINT, SIX_DEGREES, SOLID, Body
 from flowgmo.building.findings import Findings
 from flowgmo.geometry import GeometryError
 from flowgmo.mesh import Mesh
@@ -60,7 +60,8 @@ def _with_least_mass(found: Findings, body: Body, rho: float) -> Body:
 
 
 def check_wet_bodies(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> None:
-    """Notices: bodies that reach outside the domain, overlap others, and those that are thinner than two cells."""
+    """Notices: bodies that reach outside the domain, overlap others, may leave the plane of the mesh, or are thin, of
+    less than two cells."""
     boxes = np.array([body.shape.bounds() for body in bodies]).reshape(-1, 2, 3)
     for body in bodies:
         if not body.moves:
@@ -68,6 +69,7 @@ def check_wet_bodies(found: Findings, mesh: Mesh, bodies: tuple[Body, ...]) -> N
         points, inside = _points(body, mesh)
         if body.kind == COUPLED:
             _check_reach(found, body, mesh, points, inside)
+            _check_plane(found, body, mesh)
             low, high = boxes[body.number - 1]
             near = np.flatnonzero(((boxes[:, 0] < high) & (boxes[:, 1] > low)).all(axis=1))
             _check_overlaps(found, body, [bodies[k] for k in near], points[inside])
@@ -106,6 +108,37 @@ def _check_reach(found: Findings, body: Body, mesh: Mesh, points: np.ndarray, in
         f"{whole * seen.sum() / inside.sum():.3g} of its volume of about {whole:.3g}; its mass is that of all of it",
         write="End it at the sides, or give its mass as a whole",
     )  # fmt: skip
+
+
+def _check_plane(found: Findings, body: Body, mesh: Mesh) -> None:
+    """A coupled body that reaches to a side across a direction with one cell, and may go along it or lean.
+
+    Flush with both sides its ends are closed. What a contact, or rounding, opens at one of them lets the liquid press
+    on the whole end, however thin it is: a plate of 50 kg/m3 that overlaps its mirror by 1e-4 is put back by 5e-8, then
+    has 17 m/s2, leans, and wedges between the sides.
+    """
+    low, high = body.shape.bounds()
+    out = BEYOND * float(np.abs(mesh.bounds).max())
+    for d, n in enumerate(mesh.blocks[0].shape):
+        apart = low[d] > mesh.bounds[0, d] + out and high[d] < mesh.bounds[1, d] - out
+        if n > 1 or apart or body.constraint != SIX_DEGREES:
+            continue
+        free = [f"{name}({body.number})=0" for name in _out_of_plane(body, d)]
+        if free:
+            letter = "xyz"[d]
+            found.notice(
+                *_place(found, body),
+                wrong=f"{body.name} reaches to a side of the only cell in {letter}, and may leave the plane: an end "
+                "that opens there by a hair is pressed by the liquid as a whole",
+                write=f"Write {', '.join(free)} for a motion in the plane",
+            )  # fmt: skip
+
+
+def _out_of_plane(body: Body, d: int) -> list[str]:
+    """Variables of the components of a body's motion across the plane that lies across d, of those its loads move."""
+    turns = [f"iom{'xyz'[e]}cal" for e in range(3)]
+    drives = zip([f"i{'uvw'[d]}mcal", *turns], [body.drives[d], *body.drives[3:]], [-1, 0, 1, 2], strict=True)
+    return [name for name, drive, e in drives if drive.coupled and e != d]
 
 
 def _check_overlaps(found: Findings, body: Body, bodies: list[Body], points: np.ndarray) -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from flowgmo_wet import FREE, wet
+from flowgmo_wet import FREE, MESH, wet
 
 from flowgmo.building import build_model
 from flowgmo.deck import parse_deck
@@ -79,3 +79,24 @@ def test_featherweights_count_as_a_ten_thousandth() -> None:
     tank = wet(xput=FREE.replace("itb=1", "itb=0") + "imobs=1,", obs=light, fl="")
     full = build_model(parse_deck(tank, Path("t.nml")))
     assert full.bodies[0].mass.mass == pytest.approx(1e-3 * volume, rel=1e-9)
+
+
+PLANE = MESH.replace("nycelt=10", "nycelt=1")
+BAR = "nobs=1, obsid(1)='bar', imo(1)=4, rhomvb(1)=500., iob(1)=1, xl(1)=.5, xh(1)=.9, zl(1)=.4, zh(1)=.8,"
+
+
+@pytest.mark.parametrize(
+    ("ends", "free"),
+    [
+        ("yl(1)=0., yh(1)=1.,", "ivmcal(1)=0, iomxcal(1)=0, iomzcal(1)=0"),
+        ("yl(1)=.1, yh(1)=1., ivmcal(1)=0,", "iomxcal(1)=0, iomzcal(1)=0"),
+        ("yl(1)=0., yh(1)=1., ivmcal(1)=0, iomxcal(1)=0, iomzcal(1)=0,", None),
+        ("yl(1)=.1, yh(1)=.9,", None),  # both ends in the cell: what presses them is the same
+        ("yl(1)=0., yh(1)=1., imoaxs(1)=2, xaxs0(1)=.7, zaxs0(1)=.6,", None),
+    ],
+)
+def test_bodies_that_may_leave_the_plane(ends: str, free: str | None) -> None:
+    """In a mesh of one cell in y, those that reach to a side of it."""
+    deck = wet(xput=FREE + "imobs=1,", mesh=PLANE, obs=BAR + ends)
+    told = [n for n in build_model(parse_deck(deck, Path("t.nml"))).notices if "only cell in y" in n]
+    assert len(told) == (free is not None) and all(f"Write {free} for a motion in the plane" in n for n in told), told
