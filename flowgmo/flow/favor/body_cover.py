@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.favor.body_cut import NODES
-from flowgmo.flow.favor.body_fold import WITHIN
+from flowgmo.flow.favor.body_fold import SOLID, WITHIN
 from flowgmo.flow.favor.body_paint import count_painted, paint_body
 from flowgmo.flow.favor.body_sheets import Moved
 from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, balls_fit, cut_body
@@ -30,13 +30,15 @@ class BodyCover(NamedTuple):
     """numbers (n,) int64 of cells near the surface, ascending; shares (n, 7) of their faces, lower x, upper x, .., and
     volume that the body covers; runs (m, 2) int64 of cells wholly inside, first and one past the last, ascending, that
     are not among the others. volume [length3] of the body on the mesh. ball (7,): centre, 0 (3), radius [length] of a
-    body that is a ball and is cut exactly; None of others."""
+    body that is a ball and is cut exactly; planes (m, 4), n (3) and h: of one that is where all of them are negative;
+    None of others."""
 
     numbers: np.ndarray
     shares: np.ndarray
     runs: np.ndarray
     volume: float
     ball: np.ndarray | None = None
+    planes: np.ndarray | None = None
 
 
 class CoverMesh:
@@ -85,7 +87,7 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
         mesh.team.run_rows(cut, jobs, WORTHWHILE)
     found = [_collect(mesh, cells, of_body, runs) for (cells, runs), of_body in zip(near, covered, strict=True)]
     return [
-        BodyCover(numbers, shares, runs, volume, _ball(body, exact))
+        BodyCover(numbers, shares, runs, volume, _ball(body, exact), _convex(body))
         for (numbers, shares, volume), (_, runs), body, exact in zip(found, near, bodies, balls, strict=True)
     ]
 
@@ -94,6 +96,12 @@ def _ball(body: Moved, exact: bool) -> np.ndarray | None:
     """The round sheet (7,) of a body that is nothing else; exact: of balls_fit."""
     alone = len(body.rounds) == 1 and not len(body.planes) and not body.curved and body.side.tolist() == [[WITHIN]]
     return body.rounds[0] if exact and alone else None
+
+
+def _convex(body: Moved) -> np.ndarray | None:
+    """The planes (m, 4) of a body that is one convex piece of them."""
+    alone = len(body.planes) > 0 and not len(body.rounds) and not body.curved
+    return body.planes if alone and (body.side == WITHIN).all() and body.roles.tolist() == [SOLID] else None
 
 
 def _widths(mesh: CoverMesh, body: Moved) -> tuple[np.ndarray, ...]:

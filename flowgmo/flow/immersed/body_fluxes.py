@@ -36,6 +36,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from flowgmo.flow.favor.body_cover import BodyCover
 from flowgmo.flow.favor.shares import Shares
 from flowgmo.flow.fields import Grid
 from flowgmo.flow.immersed.displaced_places import displaced_places
@@ -65,13 +66,13 @@ def body_fluxes(
     place: np.ndarray,
     middle: np.ndarray | None = None,
     surface: Surface | None = None,
-    ball: np.ndarray | None = None,
+    cover: BodyCover | None = None,
 ) -> BodyFluxes:
     """The fluxes of a body: mean shares of its cells (m, 3), covered (m,) of their volumes now; place (3,) [length]: B.
 
     centres: of cells, (n + 4,) for each direction; middle (3,): of a ball, from B to its centre; (2, 3) of a body of
     revolution, from B to a point of its axis, and its direction; None of other bodies;
-    surface: None where nothing is void; ball (7,): of a body that is one, where it is now (body_cover.py).
+    surface: None where nothing is void; cover: of the body where it is now; None: all act at the centres of cells.
     """
     at = shares.cells
     shape = tuple(len(c) for c in centres)
@@ -86,8 +87,11 @@ def body_fluxes(
     cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
     edge = below = None
     if surface is not None:
+        ball = None if cover is None else cover.ball
         edge, below = waterline(at, shares.faces, covered, surface, grid, centres, ball)
-    places = None if middle is not None and axis is None else displaced_places(shares, covered, below, grid)
+    places = None
+    if cover is not None and (middle is None or axis is not None):
+        places = displaced_places(at, cells, covered, cover, below, grid, centres)
     return BodyFluxes(cells, np.hstack([a, off_axis(a, cross(r, a), axis)]), np.hstack([lift, r]), edge, axis, places)
 
 

@@ -150,7 +150,7 @@ class Immersed:
         each = self.shares, swept.covered, places, centres, self.covers.covers
         for shares, covered, place, centre, cover in zip(*each, strict=True):
             mine, mesh = self.narrow.shares_of(shares), (self.grid, self.centres)
-            self.fluxes.append(body_fluxes(mine, covered, *mesh, place, centre, surface, cover.ball))
+            self.fluxes.append(body_fluxes(mine, covered, *mesh, place, centre, surface, cover))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
         self._renew_at_mean()
 

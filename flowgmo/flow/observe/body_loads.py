@@ -67,7 +67,7 @@ def resting_fluxes(
     """The fluxes of a body that stays where it is, B at place (3,); surface, middle: as in body_fluxes."""
     cells = np.column_stack(np.unravel_index(cover.numbers, [len(c) for c in centres])).astype(np.int32)
     faces, covered = cover.shares[:, :6], cover.shares[:, 6]
-    return body_fluxes(Shares(cells, faces), covered, grid, centres, place, middle, surface, cover.ball)
+    return body_fluxes(Shares(cells, faces), covered, grid, centres, place, middle, surface, cover)
 
 
 def wetted_area(cover: BodyCover, flow: Flow, V: np.ndarray, grid: Grid) -> float:
