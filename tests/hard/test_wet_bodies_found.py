@@ -57,17 +57,6 @@ GRADED = "px=0.,.3,.6,1., nxcell=8,10,6, sizex(2)=.03, py=0.,.6, nycelt=16, pz=0
 BOX = "nobs=1, imo(1)=4, rhomvb(1)={}, iob(1)=1, xl(1)=-.1, xh(1)=.1, yl(1)=-.08, yh(1)=.08, zl(1)=-.07, zh(1)=.07,"
 
 
-def test_a_face_in_a_plane_of_the_mesh():
-    """Afloat at rest, one face in a plane of cells: rounding says on which side of it, step by step.
-
-    Measured: 1.1e-11 rad/s after 9 steps. 3.9e-4 where the moment of what it displaces was told by the mean over the
-    step of its shares of faces."""
-    obs = BOX.format(500.0) + "trnx(1)=.46, trny(1)=.31, trnz(1)=.4,"
-    _, state = play(wet(XPUT.replace(".002", ".005"), fl="flht=.4,", mesh=GRADED, bcdata=CLOSED, obs=obs), 9)
-    assert state.t >= 0.09
-    assert np.abs(state.w_WB).max() <= 1e-9
-
-
 @pytest.mark.parametrize("mesh", [FINE, GRADED])
 @pytest.mark.parametrize("turn", ["groty(1)=20.,", "grotx(1)=20., groty(1)=33.,"])
 def test_a_turned_box_as_heavy_as_the_liquid_rests(mesh, turn):

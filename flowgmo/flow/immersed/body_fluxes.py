@@ -87,8 +87,7 @@ def body_fluxes(
     cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
     edge = below = None
     if surface is not None:
-        ball = None if cover is None else cover.ball
-        edge, below = waterline(at, shares.faces, covered, surface, grid, centres, ball)
+        edge, below = waterline(at, shares.faces, covered, surface, grid, centres, cover)
     places = None
     if cover is not None and (middle is None or axis is not None):
         places = displaced_places(at, cells, covered, cover, below, grid, centres)

@@ -24,8 +24,8 @@ along the mesh (r = 0; w, r as in cut_level.py and observe/places_of_liquid.py),
 
 so that a body at rest that turns by rounding does not jump. Cylinders 6 cells across miss 3e-5 of weight times width
 (in the middle; 4.4e-4 at most with arms to the centres), turned boxes missed as much with this blend, 3e-4 at most,
-and 1e-16 now. Where the level cuts the cell the part below it counts with the same middle: exact along the level for
-upright walls. Balls have none of this: what presses on them goes through their centre.
+and 1e-16 now. Where the level cuts the cell the part below it is cut too, or of others counts with the same middle:
+exact along the level for upright walls. Balls have none of this: what presses on them goes through their centre.
 """
 
 from __future__ import annotations
@@ -33,9 +33,10 @@ from __future__ import annotations
 import numpy as np
 
 from flowgmo.flow.favor.body_cover import BodyCover
-from flowgmo.flow.favor.cell_moments import moment_within, planes_through
+from flowgmo.flow.favor.cell_moments import cut_by_level, cut_by_planes, moment_within, planes_through
 from flowgmo.flow.favor.cut_cell import MOST_FIELDS, work_space
 from flowgmo.flow.fields import Grid
+from flowgmo.flow.immersed.waterline import Below
 from flowgmo.flow.observe.places_of_liquid import misses_of_box, moment_under
 from flowgmo.flow.surface.cut_level import EXACT, has_plane
 from flowgmo.flow.surface.plic import plane_offset, stretched, volume_under
@@ -76,32 +77,42 @@ def _by_faces(shares, out):
 
 
 @kernel
-def _find(shares, low, sizes, planes, out):
-    """out (m, 3) [-]: place of what is covered of each cell; shares (m, 7) of its faces and volume; low, sizes (m, 3)
-    [length]: its lower corner and widths; planes (n, 4): of a convex body of planes, or None."""
+def _find(shares, low, sizes, planes, part, height, d, up, out):
+    """out (m, 3) [-]: place of what is covered of each cell below the level; shares (m, 7) of its faces and volume;
+    low, sizes (m, 3) [length]: its lower corner and widths; planes (n, 4): of a convex body of planes, or None; part,
+    height (m,), d, up: as in Below."""
     work, which = work_space(), np.empty(MOST_FIELDS, np.int64)
     for c in range(len(shares)):
         if not 0.0 < shares[c, 6] < 1.0:
-            for d in range(3):
-                out[c, d] = 0.0
+            for e in range(3):
+                out[c, e] = 0.0
             continue
         if planes is not None:
             count = planes_through(planes, low[c], sizes[c], which)
-            if 1 < count <= MOST_FIELDS:
-                moment_within(work, planes, which, count, low[c], sizes[c], out[c])
+            level = height[c] > 0.0
+            if (count > 1 or level) and 0 <= count < (MOST_FIELDS if level else MOST_FIELDS + 1):
+                polygons = cut_by_planes(work, planes, which, count, low[c], sizes[c])
+                if level:
+                    polygons = cut_by_level(work, polygons, d, up, height[c])
+                moment_within(work, polygons, out[c])
+                below = 1.0 if level else part[c]
+                for e in range(3):
+                    out[c, e] *= below
                 continue
         _by_faces(shares[c], out[c])
+        for e in range(3):
+            out[c, e] *= part[c]
 
 
 def displaced_places(
-    at: np.ndarray, cells: np.ndarray, covered: np.ndarray, cover: BodyCover, below: np.ndarray | None, grid: Grid,
+    at: np.ndarray, cells: np.ndarray, covered: np.ndarray, cover: BodyCover, below: Below | None, grid: Grid,
     centres: list[np.ndarray],
 ) -> np.ndarray:  # fmt: skip
     """(m, 3) [length4]: volume times place of what a body displaces in each of its cells.
 
     at (m, 3) int32, cells (m,): these, and as flat index; covered (m,): what of each counts as covered by this body
-    (less than the body covers by itself where others share its place); cover: of the body now; below (m,): the part of
-    it that is under the level, None: all. centres [length] of cells for each direction.
+    (less than the body covers by itself where others share its place); cover: of the body now; below: what of it is
+    under the level, None: all. centres [length] of cells for each direction.
     """
     shares = np.zeros((len(cells), 7))
     row = np.searchsorted(cover.numbers, cells)
@@ -111,7 +122,7 @@ def displaced_places(
     sizes = np.column_stack([d[at[:, e]] for e, d in enumerate(grid[:3])])
     low = np.column_stack([x[at[:, e]] for e, x in enumerate(centres)]) - 0.5 * sizes
     found = np.empty((len(cells), 3))
-    _find(shares, low, sizes, cover.planes, found)
+    below = below or Below(np.ones(len(cells)), np.zeros(len(cells)), 0, 1.0)
+    _find(shares, low, sizes, cover.planes, *below, found)
     part = np.divide(covered, shares[:, 6], out=np.zeros(len(cells)), where=shares[:, 6] > 0.0)
-    found *= sizes * (sizes.prod(axis=1) * part)[:, None]
-    return found if below is None else found * below[:, None]
+    return found * sizes * (sizes.prod(axis=1) * part)[:, None]
