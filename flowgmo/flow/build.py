@@ -42,6 +42,7 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
     if covers is not None:
         centres = [np.pad(0.5 * (x[1:] + x[:-1]), G, mode="edge") for x in block.planes]
         covers.share(liquid.team)
+        covers.on_write = liquid.solid_lines.mark
         liquid.immersed = Immersed(covers, grid, centres, liquid.renew, partial(_is_full, liquid.projector))
     return liquid
 

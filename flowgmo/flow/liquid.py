@@ -114,6 +114,7 @@ class Liquid:
         """The open fractions have changed, of cells (n, 3) [in C order] and their lower faces, or (None) anywhere:
         sort faces and regions anew."""
         self.forget_planes()
+        self.solid_lines.renew(self.openings, cells)
         self.team.run_rows(_do, [self.momentum.sort_faces, self.projector.renew], 1, cells)
         self.momentum.renew(cells)
 

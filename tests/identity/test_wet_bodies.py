@@ -10,6 +10,7 @@ from flowgmo_wet_runs import REAL
 
 import flowgmo.flow.team
 import flowgmo.step
+from flowgmo.flow.solid_lines import SolidLines
 from flowgmo.run import DONE, INTERRUPTED, run
 
 STEPS = 20
@@ -32,6 +33,18 @@ def plain():
 def test_two_threads_are_one_bit_for_bit(plain, monkeypatch):
     monkeypatch.setattr(flowgmo.flow.team, "WORTHWHILE", 50)  # so that small jobs are shared too
     for a, b in zip(arrays(plain), arrays(play(tank(), STEPS, threads=2)[1]), strict=True):
+        assert np.array_equal(a, b)
+
+
+@pytest.mark.parametrize("bodies", ["ball", "box"])
+def test_open_fractions_of_lines_without_bodies_need_not_be_read(bodies, monkeypatch):
+    world, state = play(tank(bodies=bodies), STEPS)
+    near = world.liquid.lines != 0
+    closed = np.any([(a < 1.0).any(axis=2) for a in world.liquid.openings], axis=0)
+    assert near[closed].all() and not near.all()
+    monkeypatch.setattr(SolidLines, "of", lambda self, opened: np.ones(opened.V.shape[:2], np.int8))
+    _, all_read = play(tank(bodies=bodies), STEPS)
+    for a, b in zip(arrays(state), arrays(all_read), strict=True):
         assert np.array_equal(a, b)
 
 

@@ -15,7 +15,7 @@ fractions.open_fractions left them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -79,6 +79,7 @@ class MovingOpenings:
     """Open fractions of a block with stationary solids and bodies that move.
 
     open, mean: dense arrays with ghosts. Ghosts are mirror images near the bodies, elsewhere the stationary solids'.
+    on_write: is told of the cells (n, 3) of which, or of whose faces, `mean` is written.
     """
 
     def __init__(
@@ -103,6 +104,7 @@ class MovingOpenings:
         self._left: _Pending | None = None  # where bodies were expected but did not come
         self._targets: list[float | None] = [None] * len(self._shapes)
         self._changed: list[np.ndarray] = []
+        self.on_write: Callable[[np.ndarray], None] = _ignore
         self.sweep(poses)
         self.settle()
         self._targets = [c.volume if _inside(c, self._mesh) else None for c in self._covers]
@@ -203,6 +205,8 @@ class MovingOpenings:
 
     def _settle(self, fields: Open, cells: np.ndarray, opened: np.ndarray) -> None:
         """Volumes and faces of cells, and their images beyond the sides."""
+        if fields is self.mean:
+            self.on_write(cells)
         put_openings.put_volumes(cells, opened, fields.V)
         put_openings.mirror_cells(cells, fields.V, -1)
         self._put(fields, cells, opened)
@@ -279,9 +283,14 @@ class MovingOpenings:
         """Faces of cells, and their images beyond the sides."""
         if fields is self.mean:
             self._changed.append(cells)
+            self.on_write(cells)
         put_openings.put_faces(cells, opened, *fields[1:])
         for axis, a in enumerate(fields[1:]):
             put_openings.mirror_cells(cells, a, axis)
+
+
+def _ignore(cells: np.ndarray) -> None:
+    """Nobody wants to know."""
 
 
 def _same(a: Pose | None, b: Pose | None) -> bool:

@@ -7,7 +7,7 @@ from flowgmo.flow.columns import all_columns
 from flowgmo.flow.fields import Open
 from flowgmo.flow.ghost_layers import GhostLayers
 from flowgmo.flow.observe.measures import total
-from flowgmo.flow.solid_lines import SolidLines, find_lines
+from flowgmo.flow.solid_lines import SolidLines
 
 DAM = """Water runs against a block that does not fit the mesh, is thrown up and falls back
  &xput
@@ -84,10 +84,25 @@ def test_a_line_counts_where_a_fraction_beside_it_is_below_one():
         fractions = [np.ones(shape) for _ in range(4)]
         i, j, k = (int(random.integers(0, m)) for m in shape)
         fractions[n][i, j, k] = 0.9
-        found = find_lines(Open(*fractions))
+        found = SolidLines().of(Open(*fractions))
         for a in range(shape[0]):
             for b in range(shape[1]):
                 assert found[a, b] == (abs(a - i) <= 1 and abs(b - j) <= 1)
-    assert not find_lines(Open(*(np.ones(shape) for _ in range(4)))).any()
-    assert SolidLines(still=True).of(Open(None, None, None, None)) is None
-    assert SolidLines().of(Open(*(np.zeros(shape) for _ in range(4)))).all()  # what moves is looked at everywhere
+    assert SolidLines().of(Open(None, None, None, None)) is None
+
+
+def test_lines_are_marked_at_once_and_taken_back_when_all_is_open():
+    opened, lines = Open(*(np.ones((12, 11, 7)) for _ in range(4))), SolidLines()
+    assert not lines.of(opened).any()
+    lines.mark(np.array([[5, 5, 3]], np.int32))
+    expected = np.zeros((12, 11), bool)
+    expected[4:7, 4:7] = True
+    assert np.array_equal(lines.of(opened) != 0, expected)
+    lines.renew(opened, np.array([[7, 5, 3]], np.int32))  # where it was, nothing is closed
+    assert np.array_equal(lines.of(opened) != 0, np.roll(expected, 2, axis=0))
+    opened.V[5, 5, 3] = 0.5
+    lines.mark(np.array([[5, 5, 3]], np.int32))
+    lines.renew(opened, np.zeros((0, 3), np.int32))
+    assert np.array_equal(lines.of(opened) != 0, expected)
+    lines.mark(np.array([[3, 5, 3]], np.int32))  # its image lies in a ghost, mirrored or on the other side
+    assert lines.of(opened)[0, 5] and lines.of(opened)[-1, 5]
