@@ -142,7 +142,7 @@ class Liquid:
         this was last done, and what they held then (n,)."""
         if F is not None and (F is not self._found or changed is not None and self._have_left(F, *changed)):
             self._found = F
-            known = self.planes_last and self.planes.are_of(F)
+            known = self.planes.are_of(F)
             self.near = columns_among(self.planes.columns, F, DUST) if known else columns_where(F, DUST)
             self.faces = widen(self.near, 1, self.shape, self.ends)
             self.about = widen(self.near, 2, self.shape, self.ends)
