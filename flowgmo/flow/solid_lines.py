@@ -22,10 +22,11 @@ from flowgmo.kernel import inner, kernel
 
 
 class SolidLines:
-    """Of one scene. still: its solids never move."""
+    """Of one scene. watched: whoever writes open fractions says so (`mark`, `renew`); else all lines are 1. still: the
+    scene's solids never move."""
 
-    def __init__(self, *, still: bool = False) -> None:
-        self.still = still
+    def __init__(self, *, watched: bool = False) -> None:
+        self.watched, self.still = watched, False
         self._own: np.ndarray | None = None
         self._lines = np.zeros((0, 0), np.int8)
         self._known = False
@@ -34,6 +35,8 @@ class SolidLines:
         """The lines of these open fractions; None without solids."""
         if opened.V is None:
             return None
+        if not self.watched:
+            return np.ones(opened.V.shape[:2], np.int8)
         if self._own is None:
             self._look(opened)
         if not self._known:
@@ -50,6 +53,8 @@ class SolidLines:
     def renew(self, opened: Open, cells: np.ndarray | None) -> None:
         """Take back lines that are all open again; cells (n, 3): those that solids touch in the step to come, None: not
         known, all is looked at."""
+        if opened.V is None or not self.watched:
+            return
         if self._own is None or cells is None:
             self._look(opened)
         else:

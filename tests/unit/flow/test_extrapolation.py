@@ -36,7 +36,9 @@ def continued(columns, b, A, F, u, d):
     present = tuple(e == d for e in range(3))
     beside = make_beside(F.shape, present)
     only = [[x if there else None for there in present] for x in (b, A, u)]
-    find_sources(Team(1), columns, columns, only[0], only[1], None, F, (False,) * 3, 1e-9, beside)
+    find_sources(
+        Team(1), columns, columns, only[0], only[1], np.ones(F.shape[:2], np.int8), F, (False,) * 3, 1e-9, beside
+    )
     continue_velocity(Team(1), columns, only[2], beside)
     return kinds_of(beside, d)
 

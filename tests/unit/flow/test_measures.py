@@ -23,7 +23,9 @@ def totals(block, flow, gravity=DOWN, openings=NONE, threads=1, rho=RHO):
 def test_still_liquid_has_its_exact_potential_energy(surface, axis, sign):
     """The surface anywhere in a cell, along each direction. With centres of cells the error would be rho g dz^2 / 8."""
     turned = block_of(tuple(np.roll((7, 6, 9), axis - 2)), ratio=1.6)
-    F = np.moveaxis(below(block_of([turned.shape[k] for k in np.roll(range(3), 2 - axis)]), surface), 2, axis)
+    others = [turned.shape[k] for k in range(3) if k != axis]
+    F = np.moveaxis(below(block_of((*others, turned.shape[axis])), surface), 2, axis)
+    assert F.shape == tuple(n + 2 * G for n in turned.shape)
     if sign > 0:
         F = 1.0 - F
     gravity = sign * GRAVITY * np.eye(3)[axis]

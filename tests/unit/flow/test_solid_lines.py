@@ -84,15 +84,16 @@ def test_a_line_counts_where_a_fraction_beside_it_is_below_one():
         fractions = [np.ones(shape) for _ in range(4)]
         i, j, k = (int(random.integers(0, m)) for m in shape)
         fractions[n][i, j, k] = 0.9
-        found = SolidLines().of(Open(*fractions))
+        found = SolidLines(watched=True).of(Open(*fractions))
         for a in range(shape[0]):
             for b in range(shape[1]):
                 assert found[a, b] == (abs(a - i) <= 1 and abs(b - j) <= 1)
-    assert SolidLines().of(Open(None, None, None, None)) is None
+        assert SolidLines().of(Open(*fractions)).all()  # nobody says what is written
+    assert SolidLines(watched=True).of(Open(None, None, None, None)) is None
 
 
 def test_lines_are_marked_at_once_and_taken_back_when_all_is_open():
-    opened, lines = Open(*(np.ones((12, 11, 7)) for _ in range(4))), SolidLines()
+    opened, lines = Open(*(np.ones((12, 11, 7)) for _ in range(4))), SolidLines(watched=True)
     assert not lines.of(opened).any()
     lines.mark(np.array([[5, 5, 3]], np.int32))
     expected = np.zeros((12, 11), bool)
