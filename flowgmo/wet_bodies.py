@@ -127,7 +127,7 @@ class WetBodies:
         self.liquid.projector.strength = strongest(self.model.fluid.rho, fastest)
         self.liquid.find_columns(flow.F, self.liquid.immersed.uncovered)
         self._meet_walls(flow, motion, t0, t1, places, held)
-        self.liquid.immersed.fill_short(self.liquid.team, self.liquid.faces, flow, dt)
+        self.liquid.immersed.fill_short(self.liquid.team, self.liquid.faces, self.liquid.lines, flow, dt)
 
     def _bound_edges(self, dt: float) -> None:
         """What the waterline adds to the load of a body (waterline.py) has no liquid in the pressure equation whose

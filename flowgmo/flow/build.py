@@ -44,6 +44,8 @@ def build_liquid(model: Model, threads: int | None = None) -> Liquid:
         covers.share(liquid.team)
         covers.on_write = liquid.solid_lines.mark
         liquid.immersed = Immersed(covers, grid, centres, liquid.renew, partial(_is_full, liquid.projector))
+        if liquid.planes is not None:
+            liquid.immersed.on_fill = liquid.planes.touch
     return liquid
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -93,6 +94,8 @@ class Liquid:
         self.p = np.zeros(self.shape)
         self.F = None if not plan.free_surface else np.zeros(self.shape)
         self.beside = make_beside(self.shape, self.present) if plan.free_surface else None
+        self.written = [np.zeros(self.shape[:2], np.int8) for _ in range(2)]  # lines where bodies wrote in the state's
+        # velocity, and in `predicted`
         self.marked = np.zeros((0, 4), np.int32)  # columns of what `beside` knows
         self.ends = np.zeros((*self.shape[:2], 2), np.int32)
         self.surface_limit = surface_limit(grid, self.gravity, self.present) if plan.free_surface else np.inf
@@ -110,12 +113,15 @@ class Liquid:
         self.stride = 0.0  # its length in that of the longest that the liquid's velocities allow
         self.tally = Tally()
 
-    def renew(self, cells: np.ndarray | None = None) -> None:
+    def renew(self, cells: np.ndarray | None = None, meanwhile: Callable[[], None] | None = None) -> None:
         """The open fractions have changed, of cells (n, 3) [in C order] and their lower faces, or (None) anywhere:
-        sort faces and regions anew."""
-        self.forget_planes()
+        sort faces and regions anew. meanwhile: done by whichever thread is free."""
+        if self.planes is not None:
+            self.planes.outdate()
+        self._note_written()
         self.solid_lines.renew(self.openings, cells)
-        self.team.run_rows(_do, [self.momentum.sort_faces, self.projector.renew], 1, cells)
+        works = [partial(self.momentum.sort_faces, cells), partial(self.projector.renew, cells)]
+        self.team.run_all([*works, *([meanwhile] if meanwhile is not None else [])])
         self.momentum.renew(cells)
 
     @property
@@ -125,9 +131,9 @@ class Liquid:
 
     @property
     def planes_last(self) -> bool:
-        """Whether planes of F hold from the end of a step to the sweeps of the next: nothing moves in the liquid, and
-        no side gives what lies beyond it."""
-        return self.immersed is None and not any(plan.kind in (PRESSURE, VELOCITY) for plan in self.sides.plans)
+        """Whether planes of F hold from the end of a step to the sweeps of the next, but where bodies move: no side
+        gives what lies beyond it."""
+        return not any(plan.kind in (PRESSURE, VELOCITY) for plan in self.sides.plans)
 
     def forget_planes(self) -> None:
         """F or the open fractions are others than those that planes were found for."""
@@ -142,7 +148,7 @@ class Liquid:
         this was last done, and what they held then (n,)."""
         if F is not None and (F is not self._found or changed is not None and self._have_left(F, *changed)):
             self._found = F
-            known = self.planes.are_of(F)
+            known = self.planes.columns_are_of(F)
             self.near = columns_among(self.planes.columns, F, DUST) if known else columns_where(F, DUST)
             self.faces = widen(self.near, 1, self.shape, self.ends)
             self.about = widen(self.near, 2, self.shape, self.ends)
@@ -167,12 +173,20 @@ class Liquid:
         """Zero in `predicted` where its velocities are two steps old and no liquid is near: no restart knows those."""
         kept, left = self.held
         if self.immersed is not None:  # which writes velocities of bodies, and of what they uncover, in the air too
-            left = self.everywhere
+            self._note_written()
+            written = self.written[1][G:-G, G:-G].ravel() != 0
+            left = np.concatenate([left, self.everywhere[written]])
+            self.written[1][...] = self.lines
         tabulate(self.about, self.ends)
         for a in self.predicted:
             if a is not None:
                 self.team.run(clear_left, left, self.ends, a)
         self.held = kept, self.about
+
+    def _note_written(self) -> None:
+        """Bodies have written velocities in the lines that they have come near."""
+        if self.immersed is not None:
+            self.written[1] |= self.lines
 
     def store(self, flow: Flow, dt: float) -> None:
         """Make the new values the state's, and the state's old arrays scratch."""
@@ -180,7 +194,8 @@ class Liquid:
         self.forget_planes()
         old = flow.velocity
         flow.u, flow.v, flow.w = self.predicted
-        self.predicted, self.held = old, self.held[::-1]
+        self._note_written()
+        self.predicted, self.held, self.written = old, self.held[::-1], self.written[::-1]
         flow.p, flow.p_before, self.p = self.p, flow.p, flow.p_before if flow.p_before is not None else flow.p.copy()
         if flow.F is not None:
             flow.F, self.F = self.F, flow.F
@@ -219,12 +234,6 @@ class Liquid:
             free = min(limit for name, limit in limits.items() if name != "growth")
             self.projector.ease = free if free < np.inf else 0.0
         return limits[self.limiting]
-
-
-def _do(works: list[Callable], first: int, last: int, *arguments: object) -> None:
-    """Some of the works, of a team."""
-    for work in works[first:last]:
-        work(*arguments)
 
 
 def inertia_rules(plan: FluidPlan, grid: Grid, gravity: np.ndarray) -> bool:

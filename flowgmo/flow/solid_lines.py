@@ -40,6 +40,7 @@ class SolidLines:
         if self._own is None:
             self._look(opened)
         if not self._known:
+            self._lines.fill(0)
             spread(self._own, self._lines)
             self._known = True
         return self._lines
@@ -104,15 +105,14 @@ def mark_lines(cells, own):
 
 @kernel
 def spread(own, lines):
-    """lines: 1 where own is, or in one of the lines around."""
+    """lines: not 0 where own is not, or in one of the lines around; what they hold before stays."""
     nx, ny = own.shape
     for i in range(nx):
         for j in range(ny):
-            found = np.int8(0)
-            for m in range(max(i - 1, 0), min(i + 2, nx)):
-                for n in range(max(j - 1, 0), min(j + 2, ny)):
-                    found |= own[m, n]
-            lines[i, j] = found
+            if own[i, j] != 0:
+                for m in range(max(i - 1, 0), min(i + 2, nx)):
+                    for n in range(max(j - 1, 0), min(j + 2, ny)):
+                        lines[m, n] = 1
 
 
 @inner

@@ -201,8 +201,13 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
     fill_ghosts = liquid.sides.fill_fraction
     if liquid.immersed is not None:
         liquid.immersed.narrow.lean(liquid.predicted, 1.0)
-    known = liquid.planes_last and liquid.planes.are_of(flow.F)  # of which liquid.F is a copy
-    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change, known)
+    if liquid.immersed is not None:
+        liquid.planes.outdate()
+    if liquid.planes_last:
+        liquid.planes.pass_on(flow.F, liquid.F)
+    else:
+        liquid.forget_planes()
+    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change)
     if liquid.immersed is not None:
         liquid.immersed.narrow.lean(liquid.predicted, -1.0)
     longer = liquid.plan.steps.courant > MOST_COURANT and liquid.courant > MOST_ALONG and change is None

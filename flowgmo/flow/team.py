@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 import weakref
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from queue import SimpleQueue
 from threading import Thread
 
@@ -90,6 +90,11 @@ class Team:
         ends = [p * n // count for p in range(count + 1)]
         self._run(work, rows, [[part] for part in zip(ends[:-1], ends[1:], strict=True)], arguments)
 
+    def run_all(self, works: Sequence[Callable[[], None]]) -> None:
+        """Each of the works once; a thread takes the next when it has done its last one."""
+        left = deque((n, n + 1) for n in range(len(works)))
+        self._run(_do, works, [left] * min(self.threads, len(works)), ())
+
     def _run(self, kernel: Callable, columns: np.ndarray, shares: list, arguments: tuple) -> None:
         """One share, ranges in a list or left in a deque, for each thread; the first is the caller's."""
         for jobs, share in zip(self._jobs, shares[1:], strict=False):
@@ -124,6 +129,12 @@ class Team:
         count = threads * pieces if threads > 1 else 1
         cuts = [0, *np.searchsorted(ends, ends[-1] * np.arange(1, count) / count).tolist(), len(columns)]
         return [(a, b) for a, b in zip(cuts[:-1], cuts[1:], strict=True) if a < b]
+
+
+def _do(works: Sequence[Callable[[], None]], first: int, last: int) -> None:
+    """Some of the works."""
+    for work in works[first:last]:
+        work()
 
 
 def _ranges(share: list | deque) -> Iterator[tuple[int, int]]:

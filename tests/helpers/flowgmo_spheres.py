@@ -60,9 +60,9 @@ class Counted:
         if isinstance(immersed, Immersed):
             renew = immersed.renew
 
-            def noted(cells):
+            def noted(cells, meanwhile):
                 self.changed = -1 if cells is None else len(cells)
-                renew(cells)
+                renew(cells, meanwhile)
 
             immersed.renew = noted
 

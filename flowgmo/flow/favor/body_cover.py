@@ -15,6 +15,7 @@ from flowgmo.flow.favor.body_fold import SOLID, WITHIN
 from flowgmo.flow.favor.body_paint import count_painted, paint_body
 from flowgmo.flow.favor.body_sheets import Moved
 from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, balls_fit, cut_body
+from flowgmo.flow.favor.convex_cut import cut_convex, paint_convex
 from flowgmo.flow.favor.near_surface import ROUNDING, TOUCHING, near_cells, node_planes, reach
 from flowgmo.flow.fields import G
 from flowgmo.flow.team import Team
@@ -70,6 +71,7 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
     """What each of the bodies covers by itself. The cells of all are shared by the threads."""
     near = _near_bodies(mesh, bodies)
     known = [_curved(mesh, body, cells) if len(cells) else None for body, (cells, _) in zip(bodies, near, strict=True)]
+    convex = [_convex(body) for body in bodies]
     covered = [np.empty((len(cells), 7)) for cells, _ in near]
     balls = [balls_fit(body.rounds, _widths(mesh, body)) if len(body.rounds) else False for body in bodies]
     jobs = [(n, k) for n, (cells, _) in enumerate(near) for k in range(0, len(cells), SHARED)]
@@ -77,6 +79,9 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
     def cut(jobs: list, first: int, last: int) -> None:
         for n, k in jobs[first:last]:
             some, (rows, at, values) = slice(k, k + SHARED), known[n]
+            if convex[n] is not None:
+                cut_convex(near[n][0][some], *mesh.halves, convex[n], mesh.least, covered[n][some])
+                continue
             body, of_cells = bodies[n], (np.ascontiguousarray(rows[:, some]), at, values)
             of_body = body.planes, body.rounds, balls[n], body.side, body.roles, mesh.least
             cut_body(near[n][0][some], *mesh.halves, *of_body, *of_cells, covered[n][some])
@@ -87,8 +92,10 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
         mesh.team.run_rows(cut, jobs, WORTHWHILE)
     found = [_collect(mesh, cells, of_body, runs) for (cells, runs), of_body in zip(near, covered, strict=True)]
     return [
-        BodyCover(numbers, shares, runs, volume, _ball(body, exact), _convex(body))
-        for (numbers, shares, volume), (_, runs), body, exact in zip(found, near, bodies, balls, strict=True)
+        BodyCover(numbers, shares, runs, volume, _ball(body, exact), planes)
+        for (numbers, shares, volume), (_, runs), body, exact, planes in zip(
+            found, near, bodies, balls, convex, strict=True
+        )
     ]
 
 
@@ -176,7 +183,11 @@ def _near_closed(mesh: CoverMesh, body: Moved) -> tuple[np.ndarray, np.ndarray]:
     if (low >= past).any():
         return np.zeros((0, 3), np.int32), np.zeros((0, 2), np.int64)
     index, counts = np.zeros(past - low, np.int32), np.empty(2, np.int64)  # of its own: threads paint side by side
-    paint_body(body.planes, body.rounds, body.side, body.roles, *mesh.block.planes, low, past, index, counts)
+    box = *mesh.block.planes, low, past, index, counts
+    if (planes := _convex(body)) is not None:
+        paint_convex(planes, *box)
+    else:
+        paint_body(body.planes, body.rounds, body.side, body.roles, *box)
     return _read(mesh, low, index, counts)
 
 

@@ -104,7 +104,7 @@ class MovingOpenings:
         self._left: _Pending | None = None  # where bodies were expected but did not come
         self._targets: list[float | None] = [None] * len(self._shapes)
         self._changed: list[np.ndarray] = []
-        self.on_write: Callable[[np.ndarray], None] = _ignore
+        self.on_write: Callable[[np.ndarray], None] = ignore
         self.sweep(poses)
         self.settle()
         self._targets = [c.volume if _inside(c, self._mesh) else None for c in self._covers]
@@ -139,7 +139,7 @@ class MovingOpenings:
         middle: the poses halfway; the mean is then 1/6, 4/6, 1/6 of now, the middle, then (Simpson), without it half of
         now and half of then. A body that moves with the stream lets it pass as it is only as far as the mean over time
         is exact. May be called again with other poses: the mean is then that of now and the newest, or, keep_mean,
-        stays.
+        stays, and no shares are found of bodies that move.
         """
         pending = self._pending
         if pending is not None and all(_same(a, b) for a, b in zip(poses, pending.poses, strict=True)):
@@ -170,7 +170,9 @@ class MovingOpenings:
             parts.append(_Part(still, total_m, between))
             times.append(rows_m)
         self._put(self.mean, cells, kept if keep_mean else mean)
-        shares = tuple(_mean_shares(cells, wanted, of_body, parts) for of_body in zip(*times, strict=True))
+        moved = any(a is not b for a, b in zip(self._covers, covers, strict=True))
+        of_bodies = () if keep_mean and moved else zip(*times, strict=True)  # known, of the mean that is kept
+        shares = tuple(_mean_shares(cells, wanted, of_body, parts) for of_body in of_bodies)
         volume = np.array([[a.volume, b.volume] for a, b in zip(self._covers, covers, strict=True)]).reshape(-1, 2)
         shares, covered = (tuple(s[k] for s in shares) for k in (0, 1))
         swept = Swept(cells[wanted], now[wanted, 6], then[wanted, 6], shares, covered, volume)
@@ -289,7 +291,7 @@ class MovingOpenings:
             put_openings.mirror_cells(cells, a, axis)
 
 
-def _ignore(cells: np.ndarray) -> None:
+def ignore(cells: np.ndarray) -> None:
     """Nobody wants to know."""
 
 

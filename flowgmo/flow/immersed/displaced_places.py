@@ -40,7 +40,7 @@ from flowgmo.flow.immersed.waterline import Below
 from flowgmo.flow.observe.places_of_liquid import misses_of_box, moment_under
 from flowgmo.flow.surface.cut_level import EXACT, has_plane
 from flowgmo.flow.surface.plic import plane_offset, stretched, volume_under
-from flowgmo.kernel import inner, kernel
+from flowgmo.kernel import free_kernel, inner
 
 
 @inner
@@ -76,7 +76,7 @@ def _by_faces(shares, out):
         out[d] = corner * step + (1.0 - corner) * ((1.0 - w) * plane + w * step)
 
 
-@kernel
+@free_kernel
 def _find(shares, low, sizes, planes, part, height, d, up, out):
     """out (m, 3) [-]: place of what is covered of each cell below the level; shares (m, 7) of its faces and volume;
     low, sizes (m, 3) [length]: its lower corner and widths; planes (n, 4): of a convex body of planes, or None; part,

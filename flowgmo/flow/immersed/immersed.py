@@ -23,12 +23,13 @@ stays uniform to round-off.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from flowgmo.flow.favor.covered_cells import cells_of, united
-from flowgmo.flow.favor.moving_openings import MovingOpenings
+from flowgmo.flow.favor.moving_openings import MovingOpenings, ignore
 from flowgmo.flow.favor.near_surface import Pose
 from flowgmo.flow.fields import Flow, Grid
 from flowgmo.flow.immersed.body_fluxes import BodyFluxes, body_fluxes, closed_sum
@@ -80,8 +81,9 @@ def covered_faces(d, cells, shares, place, U, x, y, z, count, faces, speeds):
 
 
 class Immersed:
-    """covers: open fractions; renew: called when these have changed, to sort faces and regions anew; is_full: whether
-    the equation, as it is now, knows of no void.
+    """covers: open fractions; renew: called when these have changed, to sort faces and regions anew, with what can be
+    done meanwhile; is_full: whether the equation, as it is now, knows of no void; on_fill: is told of cells (n, 3) of
+    which F is written.
 
     After `begin`: cells (n, 3) that bodies touch, growth (n,) [length3] of their open volumes, change of these as the
     liquid's motion sees it, fluxes of each body.
@@ -92,7 +94,7 @@ class Immersed:
         covers: MovingOpenings,
         grid: Grid,
         centres: list[np.ndarray],
-        renew: Callable[[np.ndarray | None], None],
+        renew: Callable[[np.ndarray | None, Callable[[], None]], None],
         is_full: Callable[[], bool],
     ) -> None:
         self.covers, self.grid, self.centres, self.renew, self.is_full = covers, grid, centres, renew, is_full
@@ -109,6 +111,7 @@ class Immersed:
         self.uncovered: tuple[np.ndarray, np.ndarray] | None = None  # cells (n, 3) to which the step has given a past,
         # and F there (n,) before that
         self.no_exit = False  # no side of the domain lets liquid through
+        self.on_fill: Callable[[np.ndarray], None] = ignore
 
     # ---- before the liquid moves
 
@@ -145,14 +148,17 @@ class Immersed:
             self.beyond = np.maximum(flow.F[rows] - 1.0, 0.0) * (self.change.most - swept.V0) * volumes
         self._find_faces(flow, places, velocities)
         self.hold(flow.velocity)
-        self.fluxes: list[BodyFluxes] = []
-        surface = self.surface(flow)
-        each = self.shares, swept.covered, places, centres, self.covers.covers
-        for shares, covered, place, centre, cover in zip(*each, strict=True):
-            mine, mesh = self.narrow.shares_of(shares), (self.grid, self.centres)
-            self.fluxes.append(body_fluxes(mine, covered, *mesh, place, centre, surface, cover))
+        self._renew_at_mean(partial(self._find_fluxes, flow, places, centres))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
-        self._renew_at_mean()
+
+    def _find_fluxes(self, flow: Flow, places: np.ndarray, centres: Sequence[np.ndarray | None]) -> None:
+        """Of each body, B at places (b, 3); centres: of balls, see body_fluxes."""
+        surface, mesh = self.surface(flow), (self.grid, self.centres)
+        each = self.shares, self.swept.covered, places, centres, self.covers.covers
+        self.fluxes: list[BodyFluxes] = [
+            body_fluxes(self.narrow.shares_of(shares), covered, *mesh, place, centre, surface, cover)
+            for shares, covered, place, centre, cover in zip(*each, strict=True)
+        ]
 
     @property
     def closed(self) -> np.ndarray:
@@ -174,12 +180,12 @@ class Immersed:
         """Of the liquid as it is now, among what is open now; None where nothing is void."""
         return None if flow.F is None else Surface(flow.F, self.gravity, self.covers.open)
 
-    def _renew_at_mean(self) -> None:
+    def _renew_at_mean(self, meanwhile: Callable[[], None]) -> None:
         """Sort faces anew with the mean of the open volumes, as the areas are means: what is open of a cell must not
-        exceed its section, or its sides would be walls (wall_shear.py)."""
+        exceed its section, or its sides would be walls (wall_shear.py). meanwhile: what another thread may do."""
         V, change = self.open.V, self.change
         V[change.rows] = 0.5 * (change.V0 + change.V1)
-        self.renew(self._changed())
+        self.renew(self._changed(), meanwhile)
         V[change.rows] = change.most
 
     def _changed(self) -> np.ndarray | None:
@@ -189,13 +195,17 @@ class Immersed:
         written = self.covers.take_changed()
         if before is None:
             return None
-        every = united([written, before, self.sorted])
-        cells_of(every, self.open.V.shape, cells := np.empty((len(every), 3), np.int32))
-        return cells
+        return self._places(united([written, before, self.sorted]))
 
     def _numbers(self, cells: np.ndarray) -> np.ndarray:
         """(n,): flat index into arrays of mesh size of cells (n, 3)."""
         return np.ravel_multi_index(tuple(cells.T.astype(np.int64)), self.open.V.shape)
+
+    def _places(self, numbers: np.ndarray) -> np.ndarray:
+        """Cells (n, 3) of flat indices (n,)."""
+        cells = np.empty((len(numbers), 3), np.int32)
+        cells_of(numbers, self.open.V.shape, cells)
+        return cells
 
     def _pushed_out(self, velocities: np.ndarray) -> np.ndarray:
         """(n,) [length3/time]: what the bodies bring out of cells with these velocities, by their shares of faces."""
@@ -218,6 +228,7 @@ class Immersed:
         mean, weight = mean_around(flow.F, self.covers.open.V, at)
         void = self._torn(flow, closed, self.growth / dt)[closed] | (weight == 0.0)
         flow.F[tuple(at.T)] = np.where(void, 0.0, mean)
+        self.on_fill(at)
 
     def _unsolved(self, p: np.ndarray) -> np.ndarray:
         """(n,) bool: of the cells, those that a body has uncovered a little where the last step expected it to stay, so
@@ -322,9 +333,9 @@ class Immersed:
         momentum.move_walls(found)
         return found
 
-    def fill_short(self, team: Team, columns: np.ndarray, flow: Flow, dt: float) -> None:
+    def fill_short(self, team: Team, columns: np.ndarray, lines: np.ndarray, flow: Flow, dt: float) -> None:
         """Cells of columns that lack a little are full in F until `restore_short` (short_cells.py), but for voids that
-        bodies open (torn.py)."""
+        bodies open (torn.py). lines: solid_lines.py."""
         self.short, voids = None, np.zeros(0, np.int64)
         if flow.F is None:
             return
@@ -333,12 +344,14 @@ class Immersed:
             lacks = PUSH * (1.0 - flow.F[rows]) * self.covers.open.V[rows] * self.volumes
             void = self._torn(flow, flow.F[rows] < 0.5, (self.growth + lacks) / dt, amid=True)
             voids = self._numbers(self.cells[void])
-        self.short = ShortCells(team, columns, flow.F, self.open.V, self.open[1:], voids)
+        self.short = ShortCells(team, columns, flow.F, self.open.V, self.open[1:], lines, voids)
+        self.on_fill(self._places(self.short.changed))
 
     def restore_short(self) -> None:
         """F as it is again; once for each `fill_short`."""
         if self.short is not None:
             self.short.restore()
+            self.on_fill(self._places(self.short.changed))
         self.short = None
 
     # ---- the pressure equation

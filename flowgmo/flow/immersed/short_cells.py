@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.fields import G
 from flowgmo.flow.team import Team
 from flowgmo.kernel import flow_kernel, inner, kernel
@@ -26,16 +27,22 @@ def _lacks(F, V, i, j, k):
 
 
 @flow_kernel
-def _list_short(columns, first, last, F, V, Ax, Ay, Az, most, starts, numbers, counts):
-    """Numbers of the cells of each column that are to be full, counts[c] of them from numbers[starts[c]] on."""
+def _list_short(columns, first, last, F, V, Ax, Ay, Az, lines, most, starts, numbers, counts):
+    """Numbers of the cells of each column that are to be full, counts[c] of them from numbers[starts[c]] on. lines:
+    solid_lines.py."""
     nx, ny, nz = F.shape
     for c in range(first, last):
+        ask_ahead(columns, c, last, F, 0, 0)
         i = np.int64(columns[c, 0])
         j = np.int64(columns[c, 1])
         counts[c] = 0
         some = False
-        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):  # many columns have none: a loop that
-            some |= (1.0 - F[i, j, k] > NOTICED) & (_lacks(F, V, i, j, k) < most)  # vectorises says so
+        if lines[i, j] == 0:  # many columns have none: a loop that vectorises says so
+            for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+                some |= (1.0 - F[i, j, k] > NOTICED) & (1.0 - F[i, j, k] < most)
+        else:
+            for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):
+                some |= (1.0 - F[i, j, k] > NOTICED) & (_lacks(F, V, i, j, k) < most)
         if not some:
             continue
         for k in range(np.int64(columns[c, 2]), np.int64(columns[c, 3])):
@@ -70,13 +77,15 @@ class ShortCells:
     until `restore`: what little they hold is no liquid for the pressure, wherever it lies."""
 
     def __init__(
-        self, team: Team, columns: np.ndarray, F: np.ndarray, V: np.ndarray, areas: tuple, voids: np.ndarray
-    ) -> None:
-        """Find them in columns, and make F full there until `restore`. voids: numbers of cells that are empty."""
+        self, team: Team, columns: np.ndarray, F: np.ndarray, V: np.ndarray, areas: tuple, lines: np.ndarray,
+        voids: np.ndarray,
+    ) -> None:  # fmt: skip
+        """Find them in columns, and make F full there until `restore`. lines: solid_lines.py; voids: numbers of cells
+        that are empty."""
         ends = np.cumsum(columns[:, 3] - columns[:, 2])
         counts, room = np.empty(len(columns), np.int64), np.empty(int(ends[-1]) if len(ends) else 0, np.int64)
         starts = ends - (columns[:, 3] - columns[:, 2])
-        team.run(_list_short, columns, F, V, *areas, SMALL, starts, room, counts)
+        team.run(_list_short, columns, F, V, *areas, lines, SMALL, starts, room, counts)
         self.numbers, self.F = np.empty(int(counts.sum()), np.int64), F.reshape(-1)
         _together(starts, room, counts, self.numbers)
         if len(voids):

@@ -39,7 +39,7 @@ from flowgmo.flow.favor.cut_cell import MOST_FIELDS, volume_inside, work_space
 from flowgmo.flow.fields import Grid, Open
 from flowgmo.flow.surface.cut_level import level_of_cell
 from flowgmo.flow.surface.plic import plane_offset, stretched, volume_under
-from flowgmo.kernel import inner, kernel
+from flowgmo.kernel import free_kernel, inner
 
 UPRIGHT = 0.999  # of gravity along one direction of the mesh: else levels are none of the mesh's, and nothing is added
 
@@ -108,7 +108,7 @@ def _by_planes(work, planes, which, low, size, covered, d, up, h):
     return min(covered / whole * below, covered)
 
 
-@kernel
+@free_kernel
 def _find(cells, F, opened, faces, covered, d, up, low, size, ball, planes, too_much, missing, part, height):
     """too_much, missing (m,): what is to be added along d of above, 0 in cells that no surface crosses; part (m,): of
     what is covered, that below the level; height (m,): h where the surface crosses what is covered, else 0. low, size

@@ -28,8 +28,10 @@ import numpy as np
 
 from flowgmo.flow.fields import Grid
 from flowgmo.flow.pressure.face_flows import PUSH
+from flowgmo.kernel import kernel
 
 STRONG = 10.0  # see above; a choice
+ROOM = 1 << 16  # cells that are listed in one go; of more after they have been counted
 NOTICED = 1e-7  # [-] F - 1: less is below what the solver's tolerance leaves
 
 
@@ -50,14 +52,38 @@ def strongest(rho: float, speed: float) -> float:
     return STRONG * rho * speed**2
 
 
+@kernel
+def _list_over(columns, F, cells):
+    """cells (n, 3) of the columns with F > 1, as many as there is room for; their count."""
+    count = np.int64(0)
+    for c in range(len(columns)):
+        i, j = columns[c, 0], columns[c, 1]
+        some = False
+        for k in range(np.uint64(columns[c, 2]), np.uint64(columns[c, 3])):  # most have none: this loop vectorises
+            some |= F[i, j, k] > 1.0 + NOTICED
+        if not some:
+            continue
+        for k in range(columns[c, 2], columns[c, 3]):
+            if F[i, j, k] > 1.0 + NOTICED:
+                if count < len(cells):
+                    cells[count, 0], cells[count, 1], cells[count, 2] = i, j, k
+                count += 1
+    return count
+
+
 def overfull(
-    F: np.ndarray, V: np.ndarray, p: np.ndarray, grid: Grid, rho: float, strength: float, dt: float, ease: float
-) -> Overfull:
-    """Those of F [-] > 1, with open volumes V [-] and the last pressure p [stress], all on the mesh with ghosts.
+    columns: np.ndarray, F: np.ndarray, V: np.ndarray, p: np.ndarray, grid: Grid, rho: float, strength: float,
+    dt: float, ease: float,
+) -> Overfull:  # fmt: skip
+    """Those of F [-] > 1 among columns (n, 4), with open volumes V [-] and the last pressure p [stress], all on the
+    mesh with ghosts.
 
     strength [stress]: P; ease [time] in which PUSH of an excess leaves in steps of dt [time].
     """
-    cells = np.unravel_index(np.flatnonzero(F > 1.0 + NOTICED), F.shape)
+    found = np.empty((ROOM, 3), np.int64)
+    while (count := _list_over(columns, F, found)) > len(found):
+        found = np.empty((count, 3), np.int64)
+    cells = tuple(found[:count].T)
     volumes = V[cells] * np.prod([d[k] for d, k in zip(grid[:3], cells, strict=True)], axis=0)
     most = np.maximum(p[cells], strength)
     return Overfull(cells, PUSH * (F[cells] - 1.0) * volumes * rho / (ease * dt * most))

@@ -175,7 +175,8 @@ class Projector:
         self.exits = Exits(self.grid, self.openings, self.sides, self.sealed.label)
 
     def set_surface(self, F: np.ndarray | None, *, lasting: bool = False) -> None:
-        """Fit the coefficients to where the liquid is. F with ghosts filled; lasting: known planes of it hold still."""
+        """Fit the coefficients to where the liquid is. F with ghosts filled; lasting: what is known of its planes
+        holds."""
         run, m, before = self.team.run, self.matrix, self.matrix.faces
         if not lasting:
             self.planes.forget()
@@ -249,7 +250,8 @@ class Projector:
             run(foresee, m.faces, p, before, dt / self.rho, self.wet, self.q)
         ease = max(dt, self.ease)
         if F is not None and self.strength < np.inf and self.beta is None:
-            self.over = overfull(F, self.openings.V, p, self.grid, self.rho, self.strength, dt, ease)
+            of = F, self.openings.V, p, self.grid, self.rho, self.strength
+            self.over = overfull(self.planes.columns, *of, dt, ease)
         iterations, again, last = 0, True, self.solves + MOST_SOLUTIONS
         changed, release = None, guess  # once for these contacts: if often, a thin cell ended at 160 kPa of suction
 

@@ -107,28 +107,31 @@ def through_sides(columns, first, last, d, n, flux, grid, through):
 
 
 @kernel
-def wet_columns(F, bounds):
-    """Columns (n, 4) int32 of the cells, the first layer of ghosts among them, that hold liquid.
-
-    Dust and negative remainders count. bounds (F.shape[0], F.shape[1], 2) int32: scratch.
-    """
+def look_for_liquid(F, lines, bounds):
+    """bounds [i, j] = (k0, k1) int32 of the cells that hold liquid in each line where lines (mesh without z) is not 0,
+    k1 <= k0 if none does; the first layer of ghosts is looked at too. Dust and negative remainders count."""
     nx, ny, nz = F.shape
-    n = np.int64(0)
     for i in range(G - 1, nx - G + 1):
         for j in range(G - 1, ny - G + 1):
+            if lines[i, j] == 0:
+                continue
             k0, k1 = np.int64(G - 1), np.int64(nz - G)
             while k0 <= k1 and F[i, j, k0] == 0.0:
                 k0 += 1
             while k1 > k0 and F[i, j, k1] == 0.0:
                 k1 -= 1
             bounds[i, j, 0], bounds[i, j, 1] = k0, k1 + 1
-            n += 1 if k0 <= k1 else 0
-    columns = np.empty((n, 4), np.int32)
-    n = np.int64(0)
+
+
+@kernel
+def columns_within(bounds):
+    """Columns (n, 4) int32 of bounds (mesh without z, 2), the first layer of ghosts among them."""
+    nx, ny, _ = bounds.shape
+    columns, n = np.empty((nx * ny, 4), np.int32), np.int64(0)
     for i in range(G - 1, nx - G + 1):
         for j in range(G - 1, ny - G + 1):
             if bounds[i, j, 0] < bounds[i, j, 1]:
                 columns[n, 0], columns[n, 1] = i, j
                 columns[n, 2], columns[n, 3] = bounds[i, j, 0], bounds[i, j, 1]
                 n += 1
-    return columns
+    return columns[:n].copy()

@@ -38,6 +38,10 @@ from flowgmo.kernel import inner
 #: share of the largest rise: along an axis with less the surface has slopes of hundreds. Where columns say nothing
 #: their slope is 0, and round-off in place of a rise would stand level water upright
 FAINT = 1e-3
+LEVEL = (
+    0.25  # sum of two slopes: an axis with less, by the heights and as F falls, need not be compared with the others
+)
+LACK = 1e-3  # of a cell: beside bodies that move, liquid lacks 1e-6 to 1e-4 (short_cells.py)
 SLIT = 1e-6  # of a cell: so little liquid takes no part (liquid.DUST)
 
 
@@ -152,20 +156,40 @@ def _rise_on_line(F, V, i, j, k, di, dj, dk):
 
 
 @inner
+def _is_amid_liquid(F, V, i, j, k):
+    """Whether a cell lacks next to nothing, and so do those around it: no surface, whose slopes would be noise."""
+    if F[i, j, k] < 1.0 - LACK:
+        return False
+    for d in range(3):
+        di, dj, dk = (1 if d == 0 else 0), (1 if d == 1 else 0), (1 if d == 2 else 0)
+        if V[i + di, j + dj, k + dk] > SLIT and F[i + di, j + dj, k + dk] < 1.0 - LACK:
+            return False
+        if V[i - di, j - dj, k - dk] > SLIT and F[i - di, j - dj, k - dk] < 1.0 - LACK:
+            return False
+    return True
+
+
+@inner
 def plane_at_solids(F, opened, steps, i, j, k):
     """(m, alpha) of the surface in the mixed cell (i, j, k) that is cut or has cut or closed neighbours.
 
-    Along the axis of least slope; a cut cell's plane goes through its level at the middle of the cell.
+    Along the axis of least slope; a cut cell's plane goes through its level at the middle of the cell. Amid liquid
+    across the axis of the largest rise.
     """
     best, axis, up = np.inf, -1, 1.0
     best_e, best_f = 0.0, 0.0
     rises = _rise(F, opened.V, i, j, k, 0), _rise(F, opened.V, i, j, k, 1), _rise(F, opened.V, i, j, k, 2)
-    least = FAINT * max(abs(rises[0]), abs(rises[1]), abs(rises[2]))
+    most = max(abs(rises[0]), abs(rises[1]), abs(rises[2]))
+    amid = _is_amid_liquid(F, opened.V, i, j, k)
     for d in range(2, -1, -1):
         rise = rises[d]
-        if abs(rise) <= least:
+        if abs(rise) <= FAINT * most:
             continue
         side = 1.0 if rise < 0.0 else -1.0
+        if amid:
+            if abs(rise) == most:
+                axis, up = d, side
+            continue
         e, f = (d + 1) % 3, (d + 2) % 3
         here = _height_at(F, opened, steps, i, j, k, d, side, 0.0)[1]
         known_e, slope_e = _slope(F, opened, steps, i, j, k, d, side, e, here)
@@ -175,6 +199,8 @@ def plane_at_solids(F, opened, steps, i, j, k):
         tilt += abs(slope_f) + FAINT * like_f if known_f else like_f
         if tilt < best:
             best, axis, up, best_e, best_f = tilt, d, side, slope_e, slope_f
+        if tilt < LEVEL and like_e + like_f < LEVEL:
+            break
     if axis < 0:
         return (0.0, 0.0, 0.0), 0.0
     m = _vector(axis, up, -best_e, -best_f)

@@ -96,27 +96,27 @@ def move_liquid(
     number: int,
     fill: Callable[[np.ndarray], None],
     change: VolumeChange | None = None,
-    known: bool = False,
 ) -> Moved:
     """Advance flow.F by dt [time] with the velocities u, v, w on faces; absent directions (None) are skipped.
 
     number of the step chooses the order of the sweeps. fill(F) sets the two ghost layers of F, corners too: mirror
     at walls, symmetry and absent directions, copy where periodic, what flows in at open sides; it is called before
-    every sweep. change: of opened.V, which is then that of the end of the step. known: the planes are of this F.
+    every sweep, but where the planes of F are known. change: of opened.V, which is then that of the end of the step.
     Holds after: the total of V F changed by what entered, to round-off; closed cells are dry.
     """
     F, own = flow.F, zip((flow.u, flow.v, flow.w), opened[1:], tracking.ways, strict=True)
     carriers = [Carrier(q, A, way) for q, A, way in own if q is not None]
+    planes = tracking.planes
     if change is not None:
         change.stretch(F)
+        planes.touch(np.column_stack(change.rows))
     entered = np.zeros(6)
-    planes = tracking.planes
-    if not known:
+    if not planes.are_of(F):
         fill(F)
-        planes.forget()
         planes.find(team, F, opened)
     wet = widen(planes.columns, 1, F.shape, tracking.bounds)
     if len(wet) == 0 or not carriers:
+        planes.forget()
         if change is not None:
             change.restore(F, opened, tracking.grid)
         return Moved(entered, 0.0, 0.0, 0.0)

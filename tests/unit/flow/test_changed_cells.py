@@ -84,8 +84,8 @@ def test_sorted_anew_where_bodies_moved(ny, sides, viscous):
     rng, immersed, regions = np.random.default_rng(1), world.liquid.immersed, []
     renew = immersed.renew
 
-    def checked(cells):
-        renew(cells)
+    def checked(cells, meanwhile):
+        renew(cells, meanwhile)
         regions.append(check_sorted(world.liquid))
 
     immersed.renew = checked

@@ -1,6 +1,8 @@
 """Planes that are kept for one F: those that every cell's own neighbours give, and not those of another F."""
 
 import numpy as np
+from flowgmo_spheres import Counted
+from flowgmo_wet import wet
 from flowgmo_wet_runs import advance, start
 from liquid_scenes import NO_SOLIDS, even, fractions, mesh
 
@@ -8,6 +10,7 @@ from flowgmo.flow.liquid import Liquid
 from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.plic import EMPTY, FULL
 from flowgmo.flow.team import Team
+from flowgmo.step import liquid_values
 
 DAM = """Water runs against a block that does not fit the mesh
  &xput
@@ -76,3 +79,36 @@ def test_planes_that_are_kept_change_no_bit(monkeypatch):
     _, anew = run(12)
     for a, b in zip((*kept.velocity, kept.p, kept.F), (*anew.velocity, anew.p, anew.F), strict=True):
         assert np.array_equal(a, b)
+
+
+THROWN = wet(
+    "twfin=1., delt=.002, itb=1, gz=-9.81, imobs=1,", fl="flht=.31,",
+    mesh="px=0.,1., nxcelt=20, py=0.,.5, nycelt=10, pz=0.,.6, nzcelt=12,", bcdata="ibct=2,2,1,1,2,2,",
+    obs="nobs=2, obsid(1)='wall', iob(1)=1, xl(1)=.82, xh(1)=.87, zl(1)=0., zh(1)=.17, roty(1)=10., "
+    "obsid(2)='box', iob(2)=2, xl(2)=-.08, xh(2)=.08, yl(2)=-.06, yh(2)=.06, zl(2)=-.05, zh(2)=.05, rotx(2)=20., "
+    "rotz(2)=30., trnx(2)=.4, trny(2)=.1, trnz(2)=.38, imo(2)=4, rhomvb(2)=600., utobs(1,2)=1., omztobs(1,2)=-1.5,",
+)  # fmt: skip
+
+
+def test_where_a_body_moves_planes_found_anew_are_those_of_all(monkeypatch):
+    """Every time they are asked for in 25 steps: of the state, whose energy is asked for in every other step, of the
+    mean of the step, before the liquid is carried."""
+    find, partial = Planes.find, []
+    scene = Counted(THROWN)
+
+    def checked(planes, team, F, opened):
+        partial.append(planes.columns_are_of(F) and not planes.are_of(F))
+        find(planes, team, F, opened)
+        anew = Planes(scene.world.liquid.grid)
+        find(anew, team, F, opened)
+        mixed = mixed_cells(F)
+        mixed[[0, -1]] = mixed[:, [0, -1]] = mixed[:, :, [0, -1]] = False
+        assert np.array_equal(planes.columns, anew.columns)
+        assert np.array_equal(planes.at[mixed], anew.at[mixed])
+
+    monkeypatch.setattr(Planes, "find", checked)
+    for n in range(25):
+        scene.step()
+        if n % 2:
+            liquid_values(scene.world, scene.state)
+    assert sum(partial) >= 30 and not all(partial)
