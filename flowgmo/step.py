@@ -184,7 +184,7 @@ def _stages_with_bodies(
 def start_liquid(world: World, state: State) -> None:
     """Give the state its liquid at t = 0, where the scene has any and the state none (it was not read from a file).
 
-    On return the open fractions are those of the state's poses.
+    On return the open fractions are those of the state's poses, and planes are found with the state's moments.
     """
     if world.liquid is None:
         return
@@ -198,6 +198,7 @@ def start_liquid(world: World, state: State) -> None:
             world.wet_bodies.records.at_start(state.fluid, state.p_WB)
         if world.momentum is not None:
             world.momentum.open(state)
+    world.liquid.take_moments(state.fluid)
 
 
 def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool) -> Report:

@@ -87,6 +87,7 @@ def turn(n: int, courant: float = 0.5, shots: list | None = None) -> dict[str, f
     for number in range(2 * steps):
         flow = Flow(*(q if number < steps else back), F, F, dt)
         moved = move_liquid(team, tracking, flow, NO_SOLIDS, dt, number, mirror)
+        tracking.pieces.keep_moments()
         over, under = max(over, moved.over), min(under, moved.under)
         if number + 1 in (steps, 2 * steps):
             pictures.append(F[REAL].copy())

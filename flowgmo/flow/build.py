@@ -114,7 +114,7 @@ def initial_flow(liquid: Liquid, model: Model) -> Flow:
     for u, A in zip(velocity, liquid.openings[1:], strict=True):
         if u is not None and A is not None:
             u[A == 0.0] = 0.0
-    flow = Flow(*velocity, p, F, 0.0)
+    flow = Flow(*velocity, p, F, 0.0, moments=None if F is None else liquid.planes.moments)
     liquid.sides.fill_fraction(F)
     liquid.sides.fill_velocity(flow.velocity)
     if F is not None:

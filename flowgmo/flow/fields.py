@@ -41,6 +41,7 @@ class Flow:
     p_before, of mesh size: p of the step before the last one, for the first guess of the next; None at the start.
     dt [time]: the length of the last step; pace [time]: how long it might have been but for an impact that cut it
     short, which the next one may grow from. 0 at the start.
+    moments (mesh, 3): F, and where in its cell the liquid lies (surface/carried_moments.py), in meshes of one layer.
     start_volume [length3] of liquid at t = 0, start_energy its kinetic and potential energy; passed (6,) [length3]:
     liquid that came in through each side since. friction (2,) [energy]: lost in viscosity since then, and what sides
     that slide gave (momentum/viscous_work.py). momenta (7, 3): the book of momentum (momentum_book.py), None where no
@@ -60,6 +61,7 @@ class Flow:
     p_before: np.ndarray | None = None
     pace: float = 0.0
     momenta: np.ndarray | None = None
+    moments: np.ndarray | None = None
 
     @property
     def velocity(self) -> list[np.ndarray | None]:
@@ -68,7 +70,7 @@ class Flow:
 
     def nbytes(self) -> int:
         """Bytes of all arrays."""
-        return sum(a.nbytes for a in (self.u, self.v, self.w, self.p, self.F, self.p_before) if a is not None)
+        return sum(a.nbytes for a in (*self.velocity, self.p, self.F, self.p_before, self.moments) if a is not None)
 
 
 class Open(NamedTuple):

@@ -99,7 +99,9 @@ class Liquid:
         self.marked = np.zeros((0, 4), np.int32)  # columns of what `beside` knows
         self.ends = np.zeros((*self.shape[:2], 2), np.int32)
         self.surface_limit = surface_limit(grid, self.gravity, self.present) if plan.free_surface else np.inf
-        self.tracking = tracking_of(grid, CARRY[plan.tracking], self.planes) if plan.free_surface else None
+        self.tracking = None
+        if plan.free_surface:
+            self.tracking = tracking_of(grid, CARRY[plan.tracking], self.planes, sides.periodic)
         self.entered = np.zeros(6)  # [length3] liquid that came in through each side in the step just made
         self.friction = np.zeros(2)  # [energy] of the step just made, as Flow.friction
         self.walls = {}  # body number -> (cells (n, 3), face shares (n, 6)) of the wall it makes
@@ -139,6 +141,12 @@ class Liquid:
         """F or the open fractions are others than those that planes were found for."""
         if self.planes is not None:
             self.planes.forget()
+
+    def take_moments(self, flow: Flow) -> None:
+        """From now on planes are found with the moments of this state, which may have been read from a file."""
+        if self.planes is not None and self.planes.moments is not flow.moments:
+            self.planes.forget()
+            self.planes.moments = flow.moments
 
     def _per_direction(self) -> list:
         return [np.zeros(self.shape) if there else None for there in self.present]
@@ -199,6 +207,9 @@ class Liquid:
         flow.p, flow.p_before, self.p = self.p, flow.p, flow.p_before if flow.p_before is not None else flow.p.copy()
         if flow.F is not None:
             flow.F, self.F = self.F, flow.F
+            if self.tracking.pieces is not None:
+                self.tracking.pieces.keep_moments()
+                flow.moments = self.planes.moments
             flow.passed = flow.passed + self.entered
         flow.friction = flow.friction + self.friction
         flow.dt = flow.pace = dt

@@ -17,7 +17,7 @@ from flowgmo.output.software import versions
 from flowgmo.state import State, initial_state
 
 FORMAT = "flowgmo restart"
-FORMAT_VERSION = 10  # raised whenever State changes
+FORMAT_VERSION = 11  # raised whenever State changes
 
 #: Deck variables that may change between a run and its continuation: the end, the steps (their defaults follow from
 #: the end), and when output is written.
@@ -140,7 +140,7 @@ def _flow(path: Path, group: h5py.Group, model: Model) -> Flow:
     for name, value in values.items():
         if value is None:
             continue
-        if (np.ndim(value) == 3 and value.shape != wanted) or not np.isfinite(value).all():
+        if (np.ndim(value) >= 3 and value.shape[:3] != wanted) or not np.isfinite(value).all():
             raise RestartError(f"{path} is damaged: fluid/{name} has shape {np.shape(value)}, or is not finite")
         values[name] = float(value) if np.ndim(value) == 0 else value
     return Flow(**values)

@@ -107,6 +107,8 @@ def carry(F, grid, steps, fill=mirror, opened=NO_SOLIDS, threads=1, **options):
     entered = np.zeros(6)
     for number, (q, dt) in enumerate(steps):
         moved = move_liquid(team, tracking, Flow(*q, None, F, dt), opened, dt, number, fill)
+        if tracking.pieces is not None:
+            tracking.pieces.keep_moments()
         over, under, entered = max(over, moved.over), min(under, moved.under), entered + moved.entered
     return over, under, entered
 

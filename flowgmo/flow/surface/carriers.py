@@ -70,3 +70,15 @@ def upwind_cell(q, d, i, j, k):
     if q > 0.0:
         return i, j, k
     return i + (1 if d == 0 else 0), j + (1 if d == 1 else 0), k + (1 if d == 2 else 0)
+
+
+@inner
+def next_along(d, i, j, k, by):
+    """The cell `by` cells further along d."""
+    return i + (by if d == 0 else 0), j + (by if d == 1 else 0), k + (by if d == 2 else 0)
+
+
+@inner
+def width_of(way, i, j, k):
+    """1 / width of a cell along way.d [1/length]."""
+    return way.along[k] * across_column(way.d, way.across, i, j)

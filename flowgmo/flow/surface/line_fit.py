@@ -75,8 +75,8 @@ def _misfit_of_row(row, wide, a, b, alpha, tall):
 
 
 @inner
-def _misfit(rows, wide, tall, a, b):
-    """Sum of squares of what the line misses F by, in the eight neighbours."""
+def missed_by(rows, wide, tall, a, b):
+    """Sum of squares of what the line misses F by, in the eight neighbours; arguments as of `line_vector`."""
     alpha = line_offset(a, b, rows[1][1])
     low, high = alpha + b * tall[0], alpha - b
     middle = _square(area_under(a, b * tall[0], low) - rows[0][1]) + _square(
@@ -127,14 +127,14 @@ def _improved(rows, wide, tall, a, b, misfit):
     if not square > 0.0:
         return a
     better = a - slope / square
-    return better if _misfit(rows, wide, tall, better, b) < misfit else a
+    return better if missed_by(rows, wide, tall, better, b) < misfit else a
 
 
 @inner
 def _best_slope(rows, wide, tall, left, centred, right, b):
     """(misfit, a) of the best of three lines a x + b z with b = +-1."""
-    of_centred = _misfit(rows, wide, tall, centred, b)
-    of_left, of_right = _misfit(rows, wide, tall, left, b), _misfit(rows, wide, tall, right, b)
+    of_centred = missed_by(rows, wide, tall, centred, b)
+    of_left, of_right = missed_by(rows, wide, tall, left, b), missed_by(rows, wide, tall, right, b)
     if min(of_left, of_right) >= of_centred or abs(of_left - of_right) <= EQUAL * (of_left + of_right):
         return of_centred, centred
     return (of_left, left) if of_left < of_right else (of_right, right)
@@ -177,7 +177,7 @@ def line_vector(a, b, rows, wide, tall):
     rows: F [-] of the 3 x 3 cells, three along x for each of three z. wide, tall: widths of the left and right, and of
     the lower and upper cells [-], in widths of the middle one. (0, 0): nothing says where the liquid lies.
     """
-    if (a == 0.0 and b == 0.0) or _misfit(rows, wide, tall, a, b) <= MISSED:
+    if (a == 0.0 and b == 0.0) or missed_by(rows, wide, tall, a, b) <= MISSED:
         return a, b
     columns = (
         (rows[0][0], rows[1][0], rows[2][0]),

@@ -45,13 +45,20 @@ def plic_flux(columns, first, last, own, dt, F, V, opened, planes, lines, flux):
                 if V is not None:
                     if lines[e, f] != 0 and near_solids(V, e, f, g):
                         solid = True
-                        if not drop:
-                            share = _share_at_solids(F, V, opened, planes, e, f, g, d, low, high)
-                        share = _at_hand(share, F[e, f, g], V[e, f, g], A[a, b, k] * thick)
+                        share = share_beside_solids(F, V, opened, planes, e, f, g, d, low, high, A[a, b, k] * thick)
                 if not solid and not drop:
                     m, alpha = plane_at(planes, e, f, g)
                     share = share_of_slab(m, alpha, d, low, high) if is_plane(m) else F[e, f, g]
                 flux[a, b, k] = travel(q, A, dt, a, b, k) * share
+
+
+@inner
+def share_beside_solids(F, V, opened, planes, i, j, k, d, low, high, passed):
+    """Liquid share of what passes [cells] of a slab in a mixed cell that is cut or has cut or closed neighbours."""
+    share = F[i, j, k]
+    if not is_drop(F, i, j, k):
+        share = _share_at_solids(F, V, opened, planes, i, j, k, d, low, high)
+    return _at_hand(share, F[i, j, k], V[i, j, k], passed)
 
 
 @inner

@@ -24,7 +24,7 @@ from flowgmo.flow.team import Team
 class Planes:
     """at (mesh, 4): m and alpha (plic.py) of mixed cells, in others nothing that counts. columns (n, 4): of the cells
     that hold liquid when `find` was last called, the first layer of ghosts among them. solid_lines: the scene's.
-    32 bytes per cell.
+    moments (mesh, 3) of F, None where none are known (carried_moments.py). 32 bytes per cell.
 
     Tables (mesh without z) int8 of lines: _near, those that solids came near when planes were last found; _others,
     where the open fractions may be others now; _written, where F is."""
@@ -35,6 +35,7 @@ class Planes:
         self.columns, self._bounds = np.zeros((0, 4), np.int32), np.zeros((*shape[:2], 2), np.int32)
         self._known: np.ndarray | None = None
         self.solid_lines = solid_lines or SolidLines()
+        self.moments: np.ndarray | None = None
         self._every = np.ones(shape[:2], np.int8)
         self._near, self._others, self._written = (np.zeros(shape[:2], np.int8) for _ in range(3))
         self._outdated = False
@@ -64,7 +65,7 @@ class Planes:
         self._find(team, columns, F, opened, self.solid_lines.of(opened))
 
     def _find(self, team: Team, columns: np.ndarray, F: np.ndarray, opened: Open, lines: np.ndarray | None) -> None:
-        team.run_uneven(find_planes, columns, F, opened.V, self.steps, lines, self.at)
+        team.run_uneven(find_planes, columns, F, opened.V, self.steps, lines, self.moments, self.at)
         if lines is not None:
             team.run_uneven(find_planes_at_solids, columns, F, opened, self.steps, lines, self.at)
 

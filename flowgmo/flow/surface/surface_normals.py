@@ -32,6 +32,7 @@ import numpy as np
 
 from flowgmo.flow.fields import Grid
 from flowgmo.flow.surface.line_fit import line_vector
+from flowgmo.flow.surface.line_of_pieces import line_of_pieces
 from flowgmo.flow.surface.plic import is_mixed, plane_offset
 from flowgmo.flow.surface.surface_at_solids import plane_at_solids
 from flowgmo.kernel import flow_kernel, inner
@@ -214,11 +215,11 @@ def _choose(g, of_x, of_y, of_z, ok_x, ok_y, ok_z):
 
 
 @flow_kernel
-def find_planes(columns, first, last, F, V, steps, lines, planes):
+def find_planes(columns, first, last, F, V, steps, lines, moments, planes):
     """planes (mesh, 4): m and alpha of the mixed cells of the columns that are not near solids; others stay.
 
-    V: opened.V; lines: solid_lines.py. Apart from `find_planes_at_solids`: with its code in one kernel these take
-    half as long again.
+    V: opened.V; lines: solid_lines.py; moments: of carried_moments.py, None where none are known. Apart from
+    `find_planes_at_solids`: with its code in one kernel these take half as long again.
     """
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
@@ -228,6 +229,8 @@ def find_planes(columns, first, last, F, V, steps, lines, planes):
                     if lines[i, j] != 0 and near_solids(V, i, j, k):
                         continue
                 m = surface_vector(F, steps.x, steps.y, steps.z, i, j, k)
+                if moments is not None:
+                    m = line_of_pieces(F, steps, moments, m, i, j, k)
                 planes[i, j, k, 0], planes[i, j, k, 1], planes[i, j, k, 2] = m
                 planes[i, j, k, 3] = plane_offset(m, F[i, j, k])
 

@@ -29,11 +29,12 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.columns import widen, widen_beyond
-from flowgmo.flow.fields import Flow, Grid, Open
+from flowgmo.flow.fields import Flow, G, Grid, Open
 from flowgmo.flow.immersed.volume_change import VolumeChange
 from flowgmo.flow.surface.carriers import Carrier, Way
 from flowgmo.flow.surface.liquid_flux import plic_flux
 from flowgmo.flow.surface.liquid_sweep import FIRST, LAST, sweep, through_sides
+from flowgmo.flow.surface.pieces import Pieces
 from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.surface.spill_over import find_excess, find_left, find_shares, settle
 from flowgmo.flow.team import Team
@@ -47,7 +48,8 @@ ORDERS = {
 
 @dataclass
 class Tracking:
-    """What the liquid's motion needs besides Flow: 9 bytes per cell, 17 with solids.
+    """What the liquid's motion needs besides Flow: 9 bytes per cell, 17 with solids; pieces: None in meshes of more
+    than one layer of cells, and of other fluxes than planes'.
 
     carry: kernel that fills flux, `liquid_flux.plic_flux` or `donor_acceptor.donor_acceptor_flux`. flux [length]:
     A u dt times the liquid's share, of one direction at a time, located like u. heavy int8: c above. share [-]: of
@@ -62,6 +64,7 @@ class Tracking:
     heavy: np.ndarray
     share: np.ndarray
     bounds: np.ndarray  # (n, n, 2) int32: scratch of `widen`
+    pieces: Pieces | None
 
 
 class Moved(NamedTuple):
@@ -77,14 +80,22 @@ class Moved(NamedTuple):
     lost: float
 
 
-def tracking_of(grid: Grid, carry: Callable = plic_flux, planes: Planes | None = None) -> Tracking:
-    """Scratch arrays for a mesh, and the kernel that takes the liquid across faces. planes: the scene's, None: own."""
+def tracking_of(
+    grid: Grid,
+    carry: Callable = plic_flux,
+    planes: Planes | None = None,
+    periodic: tuple[bool, bool, bool] = (False, False, False),
+) -> Tracking:
+    """Scratch arrays for a mesh, and the kernel that takes the liquid across faces. planes: the scene's, None: own;
+    periodic: which sides are joined."""
     shape = (len(grid.dx), len(grid.dy), len(grid.dz))
     even = np.ones(shape[2])
     ways = Way(0, 1.0 / grid.dx, even), Way(1, 1.0 / grid.dy, even), Way(2, np.ones(1), 1.0 / grid.dz)
     bounds = np.zeros((*shape[:2], 2), np.int32)
     flux, heavy, share = np.zeros(shape), np.zeros(shape, np.int8), np.zeros(shape)
-    return Tracking(grid, planes or Planes(grid), ways, carry, flux, heavy, share, bounds)
+    planes, flat = planes or Planes(grid), sum(n == 1 + 2 * G for n in shape) == 1
+    pieces = Pieces(grid, planes, periodic) if flat and carry is plic_flux else None
+    return Tracking(grid, planes, ways, carry, flux, heavy, share, bounds, pieces)
 
 
 def move_liquid(
@@ -102,6 +113,7 @@ def move_liquid(
     number of the step chooses the order of the sweeps. fill(F) sets the two ghost layers of F, corners too: mirror
     at walls, symmetry and absent directions, copy where periodic, what flows in at open sides; it is called before
     every sweep, but where the planes of F are known. change: of opened.V, which is then that of the end of the step.
+    With tracking.pieces: their moments are those of the end; the caller keeps them where the step is made.
     Holds after: the total of V F changed by what entered, to round-off; closed cells are dry.
     """
     F, own = flow.F, zip((flow.u, flow.v, flow.w), opened[1:], tracking.ways, strict=True)
@@ -124,20 +136,30 @@ def move_liquid(
     reached = widen_beyond(planes.columns, 1, F.shape, tracking.bounds)
     orders = ORDERS[len(carriers)]
     order = [carriers[n] for n in orders[number % len(orders)]]
+    pieces = tracking.pieces if len(order) == 2 else None
+    if pieces is not None:
+        np.copyto(pieces.before, F)
     for at, carrier in enumerate(order):
         if at > 0:
             fill(F)
-            if tracking.carry is plic_flux:
+        if at > 0 and pieces is not None:
+            pieces.flow_across(team, (around, reached), order, dt, F, opened, tracking.flux)
+        else:
+            if at > 0 and tracking.carry is plic_flux:
                 planes.find_in(team, reached, F, opened)
-        found = planes.at, lines
-        team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, *found, tracking.flux)
+            found = planes.at, lines
+            team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, *found, tracking.flux)
         _sweep(team, tracking, wet, order, at, F, opened.V, lines, dt)
         d = carrier.way.d
         entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
     planes.forget()
     if change is not None:
         change.restore(F, opened, tracking.grid)
-    return Moved(entered, *_settle(team, tracking, wet, around, F, opened, lines))
+    books = _settle(team, tracking, wet, around, F, opened, lines)
+    if pieces is not None:
+        fill(F)
+        pieces.find_moments(team, wet, order, dt, F)
+    return Moved(entered, *books)
 
 
 def _sweep(

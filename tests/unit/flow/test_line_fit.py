@@ -14,7 +14,7 @@ def line(a, b, rows, wide, tall):
 
 @kernel
 def misfit(rows, wide, tall, a, b):
-    return line_fit._misfit(rows, wide, tall, a, b)
+    return line_fit.missed_by(rows, wide, tall, a, b)
 
 
 @kernel

@@ -35,12 +35,12 @@ def vortex(n, sub=32):
     return error, volume(F, grid) / volume(start, grid) - 1, over, under
 
 
-@pytest.mark.parametrize(("n", "bound"), [(32, 0.06), (64, 0.0098)])
+@pytest.mark.parametrize(("n", "bound"), [(32, 0.042), (64, 0.0098)])
 def test_disc_in_a_reversed_vortex(n, bound):
-    """Error .0583, .0069 and, at 128, .0014; plicRDF has .035, .0082, .0023. The disc is drawn into a thread 3/4 of a
-    cell wide at 32 cells, which no plane can hold, and where it tears is chance (.057 to .060 with steps a few per cent
-    shorter); at 64 the bound is 1.2 x plicRDF's. Without line_fit.py .0632, .0118; sound heights before all: .0130.
-    Over- and underfull by round-off only: the bound of Weymouth and Yue holds."""
+    """Error .0235, .0060 and, at 128, .0014; the bound is 1.2 x plicRDF's .035, .0082, .0023. The disc is drawn into a
+    thread 3/4 of a cell wide at 32 cells, and where it tears is chance (.022 to .029, .0060 to .0076 with steps a few
+    per cent shorter). Without the moments .057, .0074, planes found anew for the second sweep .0583, .0069, and without
+    line_fit.py .0632, .0118. Over- and underfull by round-off only."""
     error, change, over, under = vortex(n)
     assert error <= bound
     assert abs(change) <= 1e-13
@@ -48,10 +48,11 @@ def test_disc_in_a_reversed_vortex(n, bound):
 
 
 def test_a_carried_disc_converges():
-    """There and back by .3 of the domain in three directions, discs 12, 24 and 48 cells across: error over area .0066,
-    .0013, .00025 along the diagonal, order 2.3 (1 m/s by 1/2: .0057, .0010, .00025; 1/10: .0022, .0004, .00015). Lines
-    of least misfit everywhere: .0065, .0020, .00036; what falls behind in the choice of the estimate costs order."""
-    for across, most in ((0.9, (0.0072, 0.00145, 0.00028)), (0.5, (0.0062, 0.00115, 0.00028))):
+    """There and back by .3 of the domain in three directions, discs 12, 24 and 48 cells across: error over area .0057,
+    .0010, .00022 along the diagonal, order 2.3 (1 m/s by 1/2: .0052, .0009, .00023; 1/10: .0019, .0003, .00013). Planes
+    found anew between the sweeps: .0066, .0013, .00025, and lines of least misfit everywhere: .0065, .0020, .00036;
+    what falls behind in the choice of the estimate costs order."""
+    for across, most in ((0.9, (0.0063, 0.00113, 0.00025)), (0.5, (0.0057, 0.001, 0.00026))):
         errors = [_carried_disc(n, 1.0, across) for n in (24, 48, 96)]
         assert (np.array(errors) <= most).all()
         assert np.log2(errors[0] / errors[2]) / 2 >= 2.0
@@ -72,7 +73,7 @@ def _rotation(block):
 
 
 def test_slotted_disc_after_one_turn():
-    """Zalesak's disc, 100 cells, R 15 and slot 5 cells wide: error over area .0297 at CFL 1/2, Youngs alone .0320. All
+    """Zalesak's disc, 100 cells, R 15 and slot 5 cells wide: error over area .0289 at CFL 1/2, Youngs alone .0320. All
     of it at the corners. A reconstruction that flips or drifts loses the slot: > .1."""
     n = 100
     block, grid, _ = mesh(even(n), [0, 1 / n], even(n))
@@ -86,7 +87,7 @@ def test_slotted_disc_after_one_turn():
     start, q = F.copy(), _rotation(block)
     count = int(np.ceil(2 * np.pi * 0.92 * n / 0.5))
     over, under, _ = carry(F, grid, [(q, 2 * np.pi / count)] * count)
-    assert np.abs(F - start).sum() / start.sum() <= 0.031
+    assert np.abs(F - start).sum() / start.sum() <= 0.0305
     assert volume(F, grid) == pytest.approx(volume(start, grid), rel=1e-13)
 
 
@@ -247,7 +248,9 @@ def test_powers_of_two_and_threads_change_no_bit():
 
 
 def test_one_layer_moves_as_the_same_flow_in_three_dimensions():
-    """v None and one cell in y against v = 0 and four cells: 1e-14."""
+    """v None and one cell in y against v = 0 and four cells. The first sweep is the same; for the second, one layer
+    carries the first one's lines along, four find planes anew: after two steps .005 of the liquid apart (measured
+    .0034), after one that goes along x only 1e-14."""
     flat, grid1, _ = mesh(even(14), [0, 0.1], even(12))
     deep, grid4, _ = mesh(even(14), 0.1 * np.arange(5), even(12))
     psi = lambda x, z: np.sin(np.pi * x) ** 2 * np.sin(np.pi * z) ** 2  # noqa: E731
@@ -257,11 +260,16 @@ def test_one_layer_moves_as_the_same_flow_in_three_dimensions():
     q = swirl(flat, psi)
     dt = 0.4 / largest_cfl(q, grid1)
     wide = [np.repeat(q[0][:, 2:3], 8, 1), np.zeros(b.shape), np.repeat(q[2][:, 2:3], 8, 1)]
-    two, three = [(q, dt)], [(wide, dt)]
     # the same order of sweeps: numbers 0 and 1 are x z and z x, and x y z and z y x
-    carry(a, grid1, two * 2)
-    carry(b, grid4, three * 2)
-    assert np.abs(a[2:-2, 2, 2:-2] - b[2:-2, 3, 2:-2]).max() <= 1e-14
+    still = (q[0], None, np.zeros(a.shape)), (wide[0], wide[1], np.zeros(b.shape))
+    one, four = a.copy(), b.copy()
+    carry(one, grid1, [(still[0], dt)])
+    carry(four, grid4, [(still[1], dt)])
+    assert np.abs(one[2:-2, 2, 2:-2] - four[2:-2, 3, 2:-2]).max() <= 1e-14
+    carry(a, grid1, [(q, dt)] * 2)
+    carry(b, grid4, [(wide, dt)] * 2)
+    apart = np.abs(a[2:-2, 2, 2:-2] - b[2:-2, 3, 2:-2]).sum() / a[2:-2, 2, 2:-2].sum()
+    assert apart <= 0.005
 
 
 def test_dust_rests_and_is_not_lost():
