@@ -268,7 +268,7 @@ class WetBodies:
         return self if self.wet else None
 
     def begin(self, diagonal: np.ndarray, right: np.ndarray) -> Coupling:
-        """See projection.Couple."""
+        """See pressure/bodies.Couple."""
         rho, flat, into = self.model.fluid.rho, diagonal.reshape(-1), right.reshape(-1)
         parts = [self._wet_part(b, flat) for b in self.wet]
         self.lifts = np.array([self.parts[b][2] for b in self.wet])
@@ -300,7 +300,7 @@ class WetBodies:
         return known[1]
 
     def contacts_changed(self, q: np.ndarray) -> bool:
-        """See projection.Couple."""
+        """See pressure/bodies.Couple."""
         if (self.contacts is None and self.films is None) or self.turns >= MOST_TURNS:
             return False
         self.turns += 1

@@ -21,9 +21,9 @@ from flowgmo.flow.momentum.extrapolation import continue_velocity, find_sources
 from flowgmo.flow.momentum.implicit_viscosity import add_change
 from flowgmo.flow.momentum.prediction import accelerate, fill
 from flowgmo.flow.momentum.viscous_work import put
+from flowgmo.flow.pressure.bodies import Couple
 from flowgmo.flow.pressure.conjugate_gradients import Solved
 from flowgmo.flow.pressure.first_stage import push_by_last_pressure
-from flowgmo.flow.pressure.projection import Couple
 from flowgmo.flow.pressure.sealed import PressedTogether
 from flowgmo.flow.surface.surface_tracking import move_liquid as carry_liquid
 from flowgmo.flow_plan import MOST_ALONG, MOST_COURANT

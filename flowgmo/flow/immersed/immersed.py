@@ -378,7 +378,7 @@ class Immersed:
             into[at] -= np.where(diagonal.reshape(-1)[at] != 0.0, PUSH * lacking / ease, 0.0)
 
     def opened(self, cells: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """See projection.Opening: of cells (n, 3), V0 (n,) and what `source` asks those for that grow (n,)."""
+        """See pressure/bodies.Opening: of cells (n, 3), V0 (n,) and what `source` asks those for that grow (n,)."""
         V0, grown = self.covers.open.V[tuple(cells.T)], np.zeros(len(cells))
         own = self._numbers(self.cells)
         if not (len(cells) and len(own)):

@@ -15,14 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.columns import all_columns, cells_in, clear_left, columns_among, widen
 from flowgmo.flow.fields import G, Grid, Open
-from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.pressure.conjugate_gradients import ConjugateGradients, Solved, dots
 from flowgmo.flow.pressure.exits import Exits
 from flowgmo.flow.pressure.face_flows import difference, net_inflow, push
@@ -48,34 +47,14 @@ from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.team import Team
 from flowgmo.mesh import PRESSURE
 
+if TYPE_CHECKING:
+    from flowgmo.flow.immersed.coupling import Coupling
+    from flowgmo.flow.pressure.bodies import Couple, Opening
+
 HALF = 0.1  # F below it: the centre is dry, also in cells that a solid cuts, whose centres lie in the open
 MOST_SOLUTIONS = (
     20  # for the voids; 4 at most in boxes of 1200 cells. What is not shut by then overfills, and is pushed out later
 )
-
-
-class Couple(Protocol):
-    """Bodies that the pressure moves, during one projection."""
-
-    def begin(self, diagonal: np.ndarray, right: np.ndarray) -> Coupling:
-        """As they are coupled to the cells of the equation (diagonal > 0); takes what they push from `right`."""
-
-    def contacts_changed(self, q: np.ndarray) -> bool:
-        """Whether with this solution other contacts of the bodies press than was assumed, so that it must be found
-        again."""
-
-
-class Opening(Protocol):
-    """Bodies that open cells and close them, during one projection."""
-
-    def source(self, diagonal: np.ndarray, dt: float, ease: float, right: np.ndarray) -> None:
-        """What they push out of the cells of the equation (diagonal > 0), from `right`; ease [time]: PUSH of an excess
-        leaves in it."""
-
-    def opened(self, cells: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Of cells (n, 3): V before they moved (n,), and what they grow by (n,) [length3/time], 0 where they close."""
-
-
 MUCH = 1e200  # [1/time] of a cell: an answer is asked for, whatever a sealed region would not take
 
 
