@@ -14,6 +14,7 @@
 | asleep, quiet | who sleeps; for how many legs one was quiet (collision/sleep.py) | (n,) | - |  | step |
 | books   | energy given and lost    | (BOOKS) | energy      |               | step                |
 | owed    | friction owed to bodies that move after the liquid, `impmob=0` | (n, 6) | momentum | space | step |
+| rates   | dv/dt, dw/dt in the last step and the one before (wet_foresight.py) | (n, 2, 6) | | space | step |
 
 B is the mass centre, or the reference point of a body without mass (bodies/body.py). Stationary bodies keep their
 rows so that a body's row is its deck number minus one. `fluid` holds the mesh fields (u v w p F V Ax Ay Az, places in
@@ -57,6 +58,7 @@ class State:
     busy: bool  # impacts are too many to be resolved one by one (collision/crowd.py)
     books: np.ndarray
     owed: np.ndarray
+    rates: np.ndarray
     fluid: Flow | None = None
 
     def advance_clock(self, t: float, landing: bool) -> None:
@@ -98,6 +100,7 @@ def initial_state(model: Model) -> State:
         busy=False,
         books=np.zeros(len(BOOKS)),
         owed=np.zeros((n, 6)),
+        rates=np.zeros((n, 2, 6)),
     )
     return state
 

@@ -134,7 +134,7 @@ def _stages_with_bodies(
     def expect(world: World, state: State, t1: float, room: Room) -> None:
         told = None if alone is None else alone.foresee(state, room.motion, t1)
         wet.impacts.foresee(world, state, room.motion if told is None else told, t1)
-        wet.expect(state.fluid, room.motion, state.t, t1, state.held_parts, told)
+        wet.expect(state, room.motion, t1, told)
 
     def project(world: World, state: State, t1: float, room: Room) -> None:
         dt = t1 - state.t
@@ -224,7 +224,9 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
         world.seconds[booked] = world.seconds.get(booked, 0.0) + time.perf_counter() - began
     _check_finite(world, room, t1)
     momenta = None if world.momentum is None else world.momentum.step(state, room.motion, t1 - state.t)
+    rates = state.rates if world.wet_bodies is None else world.wet_bodies.rates(state, room.motion, t1)
     room.store(state)
+    state.rates[...] = rates
     if world.liquid is not None:
         world.liquid.store(state.fluid, t1 - state.t)
         state.fluid.momenta = momenta

@@ -32,7 +32,7 @@ from flowgmo.bodies.laws import Laws
 from flowgmo.bodies.move import move_alone
 from flowgmo.errors import StepFailed
 from flowgmo.flow.favor.near_surface import Pose
-from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, weight_of_displaced
+from flowgmo.flow.immersed.body_fluxes import BodyFluxes, closed_sum, fluxes_in, weight_of_displaced
 from flowgmo.flow.immersed.contact_rows import constrain
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.immersed.friction import Friction
@@ -46,11 +46,13 @@ from flowgmo.state import State
 from flowgmo.wet_blows import SHORT, Blow, find_struck, strike
 from flowgmo.wet_contacts import Contacts, held_contacts
 from flowgmo.wet_explicit import Explicit
+from flowgmo.wet_foresight import expected_motion, next_rates
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
 from flowgmo.wet_shapes import axis_of, ball_centre
 from flowgmo.wet_stops import let_go
 from flowgmo.wet_ways import Ways
+from flowgmo.world import poses_of
 
 if TYPE_CHECKING:
     from flowgmo.film import Film, StepFilms
@@ -108,13 +110,14 @@ class WetBodies:
 
     # ---- stages
 
-    def expect(
-        self, flow: object, motion: np.ndarray, t0: float, t1: float, held: np.ndarray, told: np.ndarray | None = None
-    ) -> None:
-        """Open fractions for the step from motion (n,) POSE at t0 to where the bodies are expected at t1. held:
-        parties (k, 2) of the contacts that are kept; told: motion with the velocities they will have, where known."""
-        told = motion if told is None else told
-        dt, then = t1 - t0, self.poses_then(told, t0, t1)
+    def expect(self, state: State, motion: np.ndarray, t1: float, told: np.ndarray | None = None) -> None:
+        """Open fractions for the step from `state` to where the bodies are expected at t1. motion (n,) POSE: of the
+        state; told: with the velocities they will have, where known."""
+        flow, t0, held = state.fluid, state.t, state.held_parts[:, :2]
+        dt = t1 - t0
+        if told is None:
+            told = expected_motion(motion, state.rates, self.coupled[~np.isin(self.coupled, held)], dt)
+        then = self.poses_then(told, t0, t1)
         middle = self.poses_then(told, t0, 0.5 * (t0 + t1))
         m = self.movers
         fastest = max(self.in_sight, self.ways.check(motion, then, dt))
@@ -299,6 +302,12 @@ class WetBodies:
             known = self.parts[b] = liquid, part, weight, closed
         return known[1]
 
+    def opening(self, cells: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """See pressure/bodies.Couple."""
+        fluxes = [self.liquid.immersed.fluxes[self.place[b]] for b in self.wet]
+        J = fluxes_in(fluxes, self.liquid.immersed.numbers(cells))
+        return lambda q: J @ (self.start - self.expected.reshape(-1) + self.coupling.velocities(q))
+
     def contacts_changed(self, q: np.ndarray) -> bool:
         """See pressure/bodies.Couple."""
         if (self.contacts is None and self.films is None) or self.turns >= MOST_TURNS:
@@ -369,6 +378,14 @@ class WetBodies:
         for b in self.coupled:
             for name, of_body in (("force", loads[b, :3]), ("torque", loads[b, 3:])):
                 entries[first[self.flying[name][b]], 1] = of_body
+
+    def rates(self, state: State, motion: np.ndarray, t1: float) -> np.ndarray:
+        """State.rates after the step from `state` to motion (n,) POSE at t1."""
+        which = np.array([] if self.explicit else self.wet, dtype=np.int64)
+        cell, reach = self.ways.cell, self.ways.reach[[self.place[int(b)] for b in which]]
+        reach = np.column_stack([np.ones(len(which)), np.where(np.isfinite(reach), reach, cell)]) / cell
+        U = self.reached if len(which) else np.zeros((0, 6))
+        return next_rates(state.rates, which, U, poses_of(state), motion, reach, t1 - state.t)
 
     def explained(self, error: StepFailed) -> StepFailed:
         """The error, or one that says which body presses what."""

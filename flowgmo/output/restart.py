@@ -17,7 +17,7 @@ from flowgmo.output.software import versions
 from flowgmo.state import State, initial_state
 
 FORMAT = "flowgmo restart"
-FORMAT_VERSION = 11  # raised whenever State changes
+FORMAT_VERSION = 12  # raised whenever State changes
 
 #: Deck variables that may change between a run and its continuation: the end, the steps (their defaults follow from
 #: the end), and when output is written.

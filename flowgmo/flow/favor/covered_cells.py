@@ -13,6 +13,7 @@ import numpy as np
 
 from flowgmo.kernel import kernel
 
+TOUCH = 1e-13  # of a cell or face: what round-off says that a body covers; a cell open by less than 1 has a wall
 ROUND = 1e-10  # what is open by less is rounding of cuts (1e-15) or poses (1e-12): no liquid finds its way through
 OVERLAP = 1e-9  # of a cell or face: bodies that rest on each other overlap by rounding only
 
@@ -137,7 +138,7 @@ def leave_open(still, total, most, opened, overlapping):
     for c in range(len(still)):
         overlapping[c] = 0
         for part in range(7):
-            left = still[c, part] - total[c, part]
+            left = still[c, part] - (total[c, part] if total[c, part] > TOUCH else 0.0)
             opened[c, part] = left if left > ROUND or total[c, part] == 0.0 else 0.0
             if left < -OVERLAP and still[c, part] > 0.0 and most[c, part] < 1.0:
                 overlapping[c] = 1

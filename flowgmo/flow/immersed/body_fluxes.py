@@ -32,6 +32,7 @@ omega2 dt / 4 of its amplitude in a unit of time.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -124,6 +125,16 @@ def closed_sum(a: np.ndarray) -> np.ndarray:
     weights = size + size.max(axis=0) / len(a)
     total = weights.sum(axis=0)
     return a - weights * np.divide(a.sum(axis=0), total, out=np.zeros_like(total), where=total > 0.0)
+
+
+def fluxes_in(each: Sequence[BodyFluxes], numbers: np.ndarray) -> np.ndarray:
+    """(n, 6 bodies): J of all bodies in cells of flat indices numbers (n,)."""
+    J = np.zeros((len(numbers), len(each), 6))
+    for n, one in enumerate(each):
+        if len(one.cells):  # they ascend
+            at = np.minimum(np.searchsorted(one.cells, numbers), len(one.cells) - 1)
+            J[:, n] = np.where((one.cells[at] == numbers)[:, None], one.J[at], 0.0)
+    return J.reshape(len(numbers), -1)
 
 
 def weight_of_displaced(fluxes: BodyFluxes, liquid: np.ndarray, rho: float, gravity: np.ndarray) -> np.ndarray:

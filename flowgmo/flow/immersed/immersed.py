@@ -134,11 +134,11 @@ class Immersed:
         volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
         self.volumes, self.growth = volumes, (swept.V1 - swept.V0) * volumes
         if before is not swept:
-            grown = self._numbers(self.cells), self.growth
+            grown = self.numbers(self.cells), self.growth
             args = self.grid, self.centres, places, velocities, centres, dt
             self.shares = mend_crossings(self.open, self.covers.open, swept.shares, grown, *args)
         self.no_void, self.all_inside = flow.F is None, self.covers.all_inside()
-        self.narrow = NarrowFaces(self.open, self._numbers(self.cells))
+        self.narrow = NarrowFaces(self.open, self.numbers(self.cells))
         self.less = [np.zeros(len(slits)) for slits in self.narrow.slits]  # of what gravity gives there
         self.let_by = self.narrow.let_by(self.shares, self.grid, self.centres, places, velocities, centres)
         self.driven_by = self._find_driven(places, velocities)
@@ -191,13 +191,13 @@ class Immersed:
     def _changed(self) -> np.ndarray | None:
         """Cells (n, 3) in C order that are open otherwise, or whose lower faces are, than when this was last asked;
         None: any may be."""
-        before, self.sorted = self.sorted, self._numbers(self.cells)
+        before, self.sorted = self.sorted, self.numbers(self.cells)
         written = self.covers.take_changed()
         if before is None:
             return None
         return self._places(united([written, before, self.sorted]))
 
-    def _numbers(self, cells: np.ndarray) -> np.ndarray:
+    def numbers(self, cells: np.ndarray) -> np.ndarray:
         """(n,): flat index into arrays of mesh size of cells (n, 3)."""
         return np.ravel_multi_index(tuple(cells.T.astype(np.int64)), self.open.V.shape)
 
@@ -209,8 +209,7 @@ class Immersed:
 
     def _pushed_out(self, velocities: np.ndarray) -> np.ndarray:
         """(n,) [length3/time]: what the bodies bring out of cells with these velocities, by their shares of faces."""
-        out = np.zeros(len(self.cells))
-        numbers = np.ravel_multi_index(tuple(self.cells.T.astype(np.int64)), self.open.V.shape)
+        out, numbers = np.zeros(len(self.cells)), self.numbers(self.cells)
         for one, U, closed in zip(self.fluxes, velocities, self.closed, strict=True):
             np.add.at(out, np.searchsorted(numbers, one.cells), (closed_sum(one.J) if closed else one.J) @ U)
         return out
@@ -247,11 +246,11 @@ class Immersed:
 
     def _find_driven(self, places: np.ndarray, velocities: np.ndarray) -> Driven:
         """Where prescribed bodies cover some of the cells, and the largest speed (n,) of these or in sight there."""
-        numbers, n = self._numbers(self.cells), len(self.cells)
+        numbers, n = self.numbers(self.cells), len(self.cells)
         found = Driven(np.zeros(n, bool), np.full(n, self.in_sight))
         for k in np.flatnonzero(~self.solved):
             covered = self.shares[k].cells[self.swept.covered[k] > 0.0]
-            at, U = np.searchsorted(numbers, self._numbers(covered)), velocities[k]
+            at, U = np.searchsorted(numbers, self.numbers(covered)), velocities[k]
             r = np.column_stack([x[covered[:, d]] for d, x in enumerate(self.centres)]) - places[k]
             found.any[at] = True
             found.speeds[at] = np.maximum(found.speeds[at], np.linalg.norm(U[:3] + np.cross(U[3:], r), axis=1))
@@ -343,7 +342,7 @@ class Immersed:
             rows = tuple(self.cells.T)
             lacks = PUSH * (1.0 - flow.F[rows]) * self.covers.open.V[rows] * self.volumes
             void = self._torn(flow, flow.F[rows] < 0.5, (self.growth + lacks) / dt, amid=True)
-            voids = self._numbers(self.cells[void])
+            voids = self.numbers(self.cells[void])
         self.short = ShortCells(team, columns, flow.F, self.open.V, self.open[1:], lines, voids)
         self.on_fill(self._places(self.short.changed))
 
@@ -363,7 +362,7 @@ class Immersed:
 
         What such a cell holds too much of, F - 1, it holds of V0, not of the larger V that net_inflow sees.
         """
-        into, rows = right.reshape(-1), self._numbers(self.cells)
+        into, rows = right.reshape(-1), self.numbers(self.cells)
         solved = diagonal.reshape(-1)[rows] != 0.0
         growth = self.growth - dt * self.let_by if self.pushed is None else dt * self.pushed
         growth = np.where(solved, growth, 0.0)
@@ -378,23 +377,23 @@ class Immersed:
             into[at] -= np.where(diagonal.reshape(-1)[at] != 0.0, PUSH * lacking / ease, 0.0)
 
     def opened(self, cells: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """See pressure/bodies.Opening: of cells (n, 3), V0 (n,) and what `source` asks those for that grow (n,)."""
+        """See pressure/bodies.Opening: of cells (n, 3), V0 (n,) and what `source` asks them for (n,)."""
         V0, grown = self.covers.open.V[tuple(cells.T)], np.zeros(len(cells))
-        own = self._numbers(self.cells)
+        own = self.numbers(self.cells)
         if not (len(cells) and len(own)):
             return V0, grown
-        wanted = self._numbers(cells)
+        wanted = self.numbers(cells)
         at = np.minimum(np.searchsorted(own, wanted), len(own) - 1)
         asked = self.growth / dt - self.let_by
-        return V0, np.where(own[at] == wanted, np.maximum(asked[at], 0.0), 0.0)
+        return V0, np.where(own[at] == wanted, asked[at], 0.0)
 
     # ---- the liquid
 
     def arrive(self, poses: Sequence[Pose]) -> None:
         """The bodies came to stand at poses: the change of all cells that any of them touched on the way."""
         swept = self.covers.sweep(poses, keep_mean=True)
-        then = self._numbers(swept.cells)
-        both = united([self._numbers(self.cells), then])
+        then = self.numbers(swept.cells)
+        both = united([self.numbers(self.cells), then])
         rows = np.unravel_index(both, self.open.V.shape)
         V0 = self.covers.open.V[rows]
         V1 = V0.copy()  # cells that a body was expected in only

@@ -223,7 +223,7 @@ class Projector:
         guess = self.beta is not None or not self.sealed.may_be_full(cells_in(m.columns))
         out = voids.outflow(velocity)  # a lid holds its void at the distance of its plane: not eased
         self.ease_gravity(velocity, dt)
-        opened = None if bodies is None else bodies.opened(voids.pockets, dt)
+        opened = None if bodies is None else bodies.opened(voids.cells, dt)
         voids.begin(out, velocity, m.b, F, self.q, self.wet, dt, guess, opened)
         if before is not None:
             run(foresee, m.faces, p, before, dt / self.rho, self.wet, self.q)
@@ -253,6 +253,8 @@ class Projector:
             if bodies is not None:
                 bodies.source(m.diagonal, dt, ease, self.right)
             coupled = () if couple is None else (couple.begin(m.diagonal, self.right),)
+            if couple is not None and len(voids.pockets):
+                voids.opening = couple.opening(voids.pockets)
             if self.beta is None:
                 self._balance(velocity, F, dt, tolerance)
             solved = self.solver.solve(m.columns, m.arrays, self.right, self.q, tolerance / dt, most, full, *coupled)

@@ -20,6 +20,8 @@ five of ten starts a hair apart).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from flowgmo.flow.fields import Grid, Open
@@ -47,6 +49,7 @@ class Voids:
         self.lids: Lids = no_lids()
         self.pockets = self.cells = np.empty((0, 3), np.int32)
         self.ways_out = WaysOut(openings)
+        self.opening: Callable[[np.ndarray], np.ndarray] | None = None
 
     def find(self, columns: np.ndarray, counts: np.ndarray, F: np.ndarray, wet: np.ndarray) -> None:
         """As mark_liquid left `wet` and the counts of the columns; pockets are 0 in `wet` after, or 1 amid liquid."""
@@ -79,11 +82,16 @@ class Voids:
     ) -> None:
         """Take the predicted velocities, and what goes out of lids by them.
 
-        All voids are open, or, guess, as the first guess q of the pressure has it. opened: V0 and grown of the pockets
-        (pockets.py), None where nothing moves.
+        All voids are open, or, guess, as the first guess q of the pressure has it. opened: V0 and what they grow by of
+        lids and pockets (pockets.py), None where nothing moves. `opening` is set later, where the pressure moves
+        bodies: what their velocities with q open of the pockets beyond that.
         """
-        self.known, self.opened = (velocity, b, F, dt), opened or self._unmoved()
         self.wet, n = wet, len(self.lids.cells)
+        self.known, self.opened, self.opening = (velocity, b, F, dt), self._unmoved(), None
+        if opened is not None and F is not None:
+            V0, grown = opened
+            self.lids = self.lids._replace(room=np.maximum(1.0 - F[self.lids.at], 0.0) * self.lids.volume * V0[:n])
+            self.opened = V0[n:], grown[n:]
         own = tuple(self.pockets.T)
         pressed = q[own] * guess
         q[own] = 0.0
@@ -111,9 +119,10 @@ class Voids:
         velocity, b, F, dt = self.known
         lids, n = self.lids, len(self.lids.cells)
         most = bound(lids, self.grid, self.openings, velocity, b, q, dt)
-        at = pocket_flows(
-            self.pockets, F, self.openings, self.planes.steps, self.grid, velocity, b, q, dt, *self.opened
-        )
+        V0, grown = self.opened
+        grown = grown if self.opening is None else grown + self.opening(q)
+        of = self.openings, self.planes.steps, self.grid, velocity, b, q, dt, V0, grown
+        at = pocket_flows(self.pockets, F, *of)
         self.pocket_inflow = at[:, 0]
         self.flow = np.concatenate([self.predicted + lids.conductance * q[lids.at], at[:, 1]])
         self.most = np.concatenate([most, at[:, 2]])
@@ -166,7 +175,7 @@ class Voids:
     def wait(self, dt: float) -> None:
         """From now on bounds are for steps of dt, and flows those of the velocities as they have become; nothing more
         opens."""
-        self.known, self.opened = (*self.known[:-1], dt), self._unmoved()
+        self.known, self.opened, self.opening = (*self.known[:-1], dt), self._unmoved(), None
 
     def shut_pockets_hit(self, q: np.ndarray, slack: float, right: np.ndarray) -> bool:
         """Shut open pockets that an impulse q drives more into than their bound and `slack` [1/time] of their cell, and

@@ -41,6 +41,7 @@ from flowgmo.kernel import flow_kernel, inner
 #: 80, 128 cells: .051 .0117 .0060 .0024; with .6: .059 .0114 .0080 .0027; with none: .061 .0130 .0082 .0022. Carried
 #: sphere 12 cells across: .0121; with .8 .0139; with none .0150.
 SOUND = 0.3
+TIE = 1e-3  # of |m_x| + |m_y| + |m_z|: water that is nearly level is the same to both, and round-off would choose
 
 
 class Steps(NamedTuple):
@@ -195,7 +196,8 @@ def _layer(n, c00, c01, c02, c10, c11, c12, c20, c21, c22):
 
 @inner
 def _choose(g, of_x, of_y, of_z, ok_x, ok_y, ok_z):
-    """The least steep height, or Youngs where that is more oblique. of_x: slopes (d/dy, d/dz) of the height along x."""
+    """The least steep height, or Youngs where that is more oblique by TIE. of_x: slopes (d/dy, d/dz) of the height
+    along x."""
     # a height's vector is 1 along its axis: its share of |m_x| + |m_y| + |m_z| is 1 / (1 + slopes)
     tx = abs(of_x[0]) + abs(of_x[1]) if ok_x else np.inf
     ty = abs(of_y[0]) + abs(of_y[1]) if ok_y else np.inf
@@ -205,7 +207,7 @@ def _choose(g, of_x, of_y, of_z, ok_x, ok_y, ok_z):
     steepest = max(a, max(b, c))
     if steepest == 0.0:
         return 0.0, 0.0, 0.0
-    if least == np.inf or steepest * (1.0 + least) < a + b + c:
+    if least == np.inf or steepest * (1.0 + least) < (1.0 - TIE) * (a + b + c):
         return -g[0], -g[1], -g[2]
     if tz == least:
         return -of_z[0], -of_z[1], (1.0 if g[2] < 0.0 else -1.0)

@@ -175,7 +175,7 @@ def test_liquid_and_body_have_the_same_force(tmp_path):
     momentum, immersed = scene.liquid.momentum, scene.liquid.immersed
     state = scene.state
     room_motion = scene.world.scratch  # poses at t = 0
-    scene.wet.expect(state.fluid, room_motion, 0.0, dt, state.held_parts)
+    scene.wet.expect(state, room_motion, dt)
     friction = scene.wet.friction
     gained = np.zeros(3)
     rng = np.random.default_rng(7)

@@ -7,6 +7,7 @@ from flowgmo_pressure import NO_SOLIDS, RHO, block_of, g, net_outflow, projector
 from flowgmo.flow.boundary import Sides
 from flowgmo.flow.fields import G, Open, grid_of, zeros
 from flowgmo.flow.pressure.lids import SHARE
+from flowgmo.flow.pressure.pockets import pocket_flows
 from flowgmo.flow.pressure.projection import Projector
 from flowgmo.flow.pressure.sealed import PressedTogether
 from flowgmo.flow.team import Team
@@ -164,6 +165,33 @@ def test_what_leaves_the_lid_falls_freely():
     assert len(P.voids.lids.cells) == 56
     assert np.abs(velocity[2][INSIDE][held] + g * DT).max() <= 1e-9 * g * DT
     assert np.abs(p).max() <= 1e-9 * RHO * g
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_a_body_closes_takes_room_first(seed):
+    """A pocket amid full cells: with R, and what it grows by (< 0: it is being closed), it holds what it then can hold
+    at most; all of that where a body takes more than was void, so that the rest has to leave."""
+    rng = np.random.default_rng(seed)
+    block, dt = block_of((5, 5, 5)), 10.0 ** rng.uniform(-4, -1)
+    P = projector(block)
+    shape = zeros(block).shape
+    V0, F_own = rng.uniform(0.05, 1.0, 2)
+    cell = np.array([[G + 2] * 3], np.int32)
+    opened, F = Open(np.ones(shape), *(np.ones(shape) for _ in range(3))), np.ones(shape)
+    at = tuple(cell[0])
+    opened.V[at], F[at] = V0, F_own
+    volume = float(np.prod([d[k] for d, k in zip(P.grid[:3], at, strict=True)]))
+    velocity = [rng.normal(size=shape) for _ in range(3)]
+    b = tuple(np.ones(shape) for _ in range(3))
+    for change in (rng.uniform(-V0, 0.0), -V0 * (1.0 - F_own) * 1.1, rng.uniform(0.0, 1.0 - V0)):
+        change = max(change, -V0)
+        grown = np.array([change * volume / dt])
+        of = velocity, b, np.zeros(shape), dt, np.array([V0]), grown
+        most = pocket_flows(cell, F, opened, P.planes.steps, P.grid, *of)[0, 2] * dt / volume
+        held, room = F_own * V0 + most + change, V0 + change
+        assert held <= room + 1e-12
+        if V0 * (1.0 - F_own) + change <= 0.0:
+            assert held == pytest.approx(room, abs=1e-12)
 
 
 def test_the_bound_keeps_a_cell_from_overflowing():
