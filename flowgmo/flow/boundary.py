@@ -162,7 +162,7 @@ class Sides:
     # ---- liquid
 
     def fill_fraction(self, F: np.ndarray | None) -> None:
-        """Ghosts of F: given where liquid may enter, mirrored or joined elsewhere."""
+        """Ghosts of F: given where liquid may enter (`spread` says how it lies there), mirrored or joined elsewhere."""
         if F is None:
             return
         for side, plan in enumerate(self.plans):
@@ -172,6 +172,13 @@ class Sides:
                     _plane(F, d, ghost)[...] = self._outside_fraction(self.values[side], d)
             else:
                 fill_layers(F, *self.ghosts.of_kind("mirrored", side))
+
+    @property
+    def spread(self) -> tuple[float | None, ...]:
+        """Of each side: F of what enters, evenly spread, where it is given and neither all liquid nor none; a height
+        says where the liquid lies, and its ghosts have planes."""
+        given = [values.fraction if values.height is None else None for values in self.values]
+        return tuple(F if F is not None and 0.0 < F < 1.0 else None for F in given)
 
     def _outside_fraction(self, values: SideValues, d: int) -> np.ndarray | float:
         height = values.height

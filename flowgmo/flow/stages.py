@@ -207,7 +207,8 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
         liquid.planes.pass_on(flow.F, liquid.F)
     else:
         liquid.forget_planes()
-    found = carry_liquid(liquid.team, liquid.tracking, moved, liquid.openings, dt, number, fill_ghosts, change)
+    scene = liquid.openings, dt, number, fill_ghosts, change, liquid.sides.spread
+    found = carry_liquid(liquid.team, liquid.tracking, moved, *scene)
     if liquid.immersed is not None:
         liquid.immersed.narrow.lean(liquid.predicted, -1.0)
     longer = liquid.plan.steps.courant > MOST_COURANT and liquid.courant > MOST_ALONG and change is None

@@ -5,6 +5,8 @@ A step's planes are found once, at its start. The second sweep asks for planes o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from flowgmo.flow.fields import G, Grid, Open
@@ -29,6 +31,12 @@ class Pieces:
         self.between: Planes | None = None  # after the first sweep, beside solids
         self.before, self.moments = np.zeros(planes.at.shape[:3]), unknown_moments(grid)
         planes.moments = unknown_moments(grid)
+
+    def spread_evenly(self, spread: Sequence[float | None]) -> None:
+        """No planes beyond sides through which liquid enters evenly spread (surface_tracking.Spread)."""
+        for side, F in enumerate(spread):
+            if F is not None:
+                np.moveaxis(self.planes.at, side // 2, 0)[-G if side % 2 else G - 1, ..., :3] = 0.0
 
     def flow_across(
         self,

@@ -15,6 +15,9 @@ a little over- or underfull, which the next projection takes back. Nothing is cl
 
 The order of the sweeps goes through all permutations, each followed by its reverse.
 
+A side may give F of what enters through it, spread evenly: A u dt times this F comes in, wherever a plane of the ghosts
+would put it (`_let_in`).
+
 Where solids cut cells, what their little open volume V could not take up goes to the neighbours (spill_over.py).
 A body that moves changes V from V0 to V1 during the step, and A u and that change balance in full cells. Its motion
 counts as one more sweep, the first one (immersed/volume_change.py).
@@ -22,7 +25,7 @@ counts as one more sweep, the first one (immersed/volume_change.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -44,6 +47,8 @@ ORDERS = {
     2: ((0, 1), (1, 0)),
     3: ((0, 1, 2), (2, 1, 0), (1, 2, 0), (0, 2, 1), (2, 0, 1), (1, 0, 2)),
 }
+
+Spread = Sequence[float | None]  # of each side: F [-] of what enters, evenly spread; None: as its ghosts hold it
 
 
 @dataclass
@@ -107,12 +112,14 @@ def move_liquid(
     number: int,
     fill: Callable[[np.ndarray], None],
     change: VolumeChange | None = None,
+    spread: Spread = (None,) * 6,
 ) -> Moved:
     """Advance flow.F by dt [time] with the velocities u, v, w on faces; absent directions (None) are skipped.
 
     number of the step chooses the order of the sweeps. fill(F) sets the two ghost layers of F, corners too: mirror
     at walls, symmetry and absent directions, copy where periodic, what flows in at open sides; it is called before
     every sweep, but where the planes of F are known. change: of opened.V, which is then that of the end of the step.
+    spread: as of Spread, of the ghosts that fill(F) sets.
     With tracking.pieces: their moments are those of the end; the caller keeps them where the step is made.
     Holds after: the total of V F changed by what entered, to round-off; closed cells are dry.
     """
@@ -139,6 +146,7 @@ def move_liquid(
     pieces = tracking.pieces if len(order) == 2 else None
     if pieces is not None:
         np.copyto(pieces.before, F)
+        pieces.spread_evenly(spread)
     for at, carrier in enumerate(order):
         if at > 0:
             fill(F)
@@ -149,8 +157,9 @@ def move_liquid(
                 planes.find_in(team, reached, F, opened)
             found = planes.at, lines
             team.run_uneven(tracking.carry, around, carrier, dt, F, opened.V, opened, *found, tracking.flux)
-        _sweep(team, tracking, wet, order, at, F, opened.V, lines, dt)
         d = carrier.way.d
+        _let_in(carrier, dt, spread[2 * d : 2 * d + 2], tracking.flux)
+        _sweep(team, tracking, wet, order, at, F, opened.V, lines, dt)
         entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
     planes.forget()
     if change is not None:
@@ -160,6 +169,17 @@ def move_liquid(
         fill(F)
         pieces.find_moments(team, wet, order, dt, F)
     return Moved(entered, *books)
+
+
+def _let_in(carrier: Carrier, dt: float, spread: Spread, flux: np.ndarray) -> None:
+    """flux [length] of what enters through the lower and upper side of a direction where spread gives its F."""
+    d, ends = carrier.way.d, (G - 1, flux.shape[carrier.way.d] - G - 1)
+    for upper, (F, side) in enumerate(zip(spread, ends, strict=True)):
+        if F is not None:
+            at = (slice(None),) * d + (side,)
+            moved = dt * carrier.q[at] * (1.0 if carrier.A is None else carrier.A[at])
+            enters = moved < 0.0 if upper else moved > 0.0
+            flux[at][enters] = F * moved[enters]
 
 
 def _sweep(
