@@ -7,7 +7,7 @@ import numpy as np
 from flowgmo.bodies.body import Body
 from flowgmo.building.findings import Findings
 from flowgmo.building.liquid_in_bodies import check_liquid_in_bodies
-from flowgmo.building.shapes import build_limits, build_quadric, build_transform
+from flowgmo.building.shapes import build_limits, build_mesh, build_quadric, build_transform
 from flowgmo.deck import Deck
 from flowgmo.flow_plan import LiquidRegion, LiquidStart
 from flowgmo.geometry import Component, GeometryError, Piece
@@ -57,10 +57,12 @@ def _three(deck: Deck, *names_and_index: str | int) -> np.ndarray:
 def _region(found: Findings, r: int, mesh: Mesh, void_pressure: float) -> LiquidRegion | None:
     deck = found.deck
     name = str(deck.at("FLUIDREGIONNAME", r) or "").strip() or f"region {r}"
-    place = _place(deck, r)
+    place, stl = _place(deck, r), None
+    if deck.at("IFDIS", r) == -1 and (stl := build_mesh(found, "FFSTL", r)) is None:
+        return None
     try:
         piece = Piece(
-            limits=build_limits(deck, "F", r), quadric=build_quadric(deck, "F", r),
+            limits=build_limits(deck, "F", r), quadric=build_quadric(deck, "F", r), stl=stl,
             transform=build_transform(deck, "F", r), name=name,
         )  # fmt: skip
         shape = Component([piece])
@@ -91,7 +93,7 @@ def _place(deck: Deck, r: int) -> tuple:
     limits = [f"F{axis}{end}" for axis in ("X", "Y", "Z", "RA", "RS", "ANGL", "CONE") for end in "LH"]
     rest = ["FCC", *(f"F{stem}" for stem in ("CX", "CY", "CZ", "CXY", "CXZ", "CYZ", "CX2", "CY2", "CZ2", "CRXY"))]
     moved = [f"F{stem}{axis}" for stem in ("TRN", "ROT", "MAGN") for axis in "XYZ"]
-    given = [name for name in (*limits, *rest, *moved) if deck.given(name, r)]
+    given = [name for name in ("FFSTL", *limits, *rest, *moved) if deck.given(name, r)]
     return (min(given, key=lambda name: deck.where(name, r).line), r) if given else ("NFLS",)
 
 

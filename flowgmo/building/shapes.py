@@ -32,7 +32,7 @@ def _piece(found: Findings, n: int) -> Piece | None:
     deck = found.deck
     stl = None
     if deck.at("IGEN", n) == 3:
-        stl = _stl(found, n)
+        stl = build_mesh(found, "FSTL", n)
         if stl is None:
             return None
     density = float(deck.at("RHOSUB", n)) if deck.given("RHOSUB", n) else None
@@ -93,14 +93,15 @@ def build_transform(deck: Deck, prefix: str, k: int) -> Transform:
     )
 
 
-def _stl(found: Findings, n: int) -> StlMesh | None:
+def build_mesh(found: Findings, variable: str, n: int) -> StlMesh | None:
+    """The mesh of the file that a subcomponent (FSTL) or a region of the liquid (FFSTL) names; None, with a problem, if
+    it is no closed surface."""
     deck = found.deck
-    name = deck.at("FSTL", n)
     try:
-        mesh = read_stl(deck.path.parent / str(name))
+        mesh = read_stl(deck.path.parent / str(deck.at(variable, n)))
     except GeometryError as error:
-        found.problem("FSTL", n, wrong=str(error), write="Repair the file, or name another one")
+        found.problem(variable, n, wrong=str(error), write="Repair the file, or name another one")
         return None
     for text in mesh.notices:
-        found.notice("FSTL", n, wrong=text)
+        found.notice(variable, n, wrong=text)
     return mesh

@@ -55,7 +55,7 @@ def _defaults(deck: Deck, row: Row) -> Iterator[Index]:
 
 
 def _text(deck: Deck, row: Row, value: Value, folder: Path | None) -> str:
-    names_file = row.name == "FSTL" or (row.table and row.type == "char")
+    names_file = row.name in ("FSTL", "FFSTL") or (row.table and row.type == "char")
     if folder is not None and names_file and value:
         value = os.path.relpath(deck.path.parent / value, folder)
     return show(value)

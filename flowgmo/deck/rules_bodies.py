@@ -82,16 +82,20 @@ def limits(deck: Deck) -> Iterator[Problem]:
 def files(deck: Deck) -> Iterator[Problem]:
     """STL files exist."""
     for n in subcomponents(deck):
-        if deck.at("IGEN", n) != 3:
-            continue
-        name = deck.at("FSTL", n)
-        try:
-            there = bool(name) and (deck.path.parent / name).is_file()
-        except (OSError, ValueError):
-            there = False
-        if not there:
-            wrong = f"there is no file {name} beside the deck"
-            yield deck.problem("FSTL", n, wrong=wrong, write="Give an STL file by its path from the deck's folder")
+        if deck.at("IGEN", n) == 3:
+            yield from missing_file(deck, "FSTL", n)
+
+
+def missing_file(deck: Deck, variable: str, n: int) -> Iterator[Problem]:
+    """A Problem where the STL file that a variable names is not there."""
+    name = deck.at(variable, n)
+    try:
+        there = bool(name) and (deck.path.parent / name).is_file()
+    except (OSError, ValueError):
+        there = False
+    if not there:
+        wrong = f"there is no file {name} beside the deck"
+        yield deck.problem(variable, n, wrong=wrong, write="Give an STL file by its path from the deck's folder")
 
 
 def names(deck: Deck) -> Iterator[Problem]:

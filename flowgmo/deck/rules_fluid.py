@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from .deck import Deck
 from .defaults import default_of
 from .errors import DeckError, Notice, Problem
+from .rules_bodies import missing_file
 from .rules_mesh import SIDES
 from .store import Index
 from .variables import REGISTRY
@@ -113,6 +114,22 @@ def regions(deck: Deck) -> Finding:
         yield deck.problem(name, r, wrong=wrong, write=f"Write nfls={max(beyond)}, or remove the region")
 
 
+def meshes(deck: Deck) -> Finding:
+    """Regions with IFDIS -1 name an STL file, which is there, and others name none."""
+    for r in range(1, deck["NFLS"] + 1):
+        if not deck.at("IF_FLREG_ENABLED", r):
+            continue
+        named, wanted = bool(deck.at("FFSTL", r)), deck.at("IFDIS", r) == -1
+        if wanted and not named:
+            wrong = "the STL file of this region is missing"
+            yield deck.problem("IFDIS", r, wrong=wrong, write=f"Give ffstl({r})='...', or write ifdis({r})=0")
+        elif named and not wanted:
+            wrong = f"this has no effect with ifdis({r})={deck.at('IFDIS', r)}"
+            yield deck.problem("FFSTL", r, wrong=wrong, write=f"Write ifdis({r})=-1, or remove it")
+        elif named:
+            yield from missing_file(deck, "FFSTL", r)
+
+
 def walls(deck: Deck) -> Finding:
     """No velocity points into a wall or a mirror."""
     for n in range(1, 7):
@@ -176,4 +193,7 @@ def _acting(deck: Deck, name: str, n: int, off: float) -> tuple | None:
     return None
 
 
-RULES: tuple[Callable[[Deck], Finding], ...] = (start, surface, weight, reference, regions, walls, heights, idle)
+RULES: tuple[Callable[[Deck], Finding], ...] = (
+    *(start, surface, weight, reference),
+    *(regions, meshes, walls, heights, idle),
+)

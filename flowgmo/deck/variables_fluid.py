@@ -120,7 +120,9 @@ FRSL FRSH | real | r | @unbounded | length | | M | {side} bound of a region by d
 FANGLL FANGLH | real | r | @unbounded | degrees | | M | {side} bound of a region by azimuth
 FCONEL FCONEH | real | r | @unbounded | degrees | | M | {side} bound of a region by angle with the z axis
 FIOH | int | r | 1 | - | 0 1 | M | 1 the region adds liquid, 0 it takes it away
-IFDIS | int | r | 0 | - | -1* 0 1* 2* 3* 4* 5* 6* 7* 8* | M D2 D4 | what a region sets: 0 liquid by quadric
+IFDIS | int | r | 0 | - | -1 0 1* 2* 3* 4* 5* 6* 7* 8* | M D2 D4 | \
+    what a region sets: liquid, 0 by quadric, -1 by STL file
+FFSTL | char | r | '' | - | | M | STL file of a region with IFDIS -1
 FCC FCX FCY FCZ FCXY FCXZ FCYZ FCX2 FCY2 FCZ2 FCRXY | real | r | 0.0 | - | | M | coefficient of a region's quadric
 FREG | real | r | 1.0 | - | 0..1 | M | liquid fraction in a region
 PREG | real | r | PRESI | mass/length/time2 | | M | pressure in a region
@@ -135,7 +137,6 @@ FXTRFC FYTRFC FZTRFC | real | r | 0.0 | length | | M | centre of a region's turn
 IF_FLREG_ENABLED | int | r | 1 | - | 0 1 | M | 0 leaves a region out
 = accepted
 FLUIDREGIONNAME | char | r | '' | - | | D2 D4 | name of a region
-FFSTL | char | r | '' | - | | M | STL file of a region with IFDIS -1
 IFLU | int | | - | - | | - | no description found; without effect
 UDEEP VDEEP WDEEP | real | | 0.0 | length/time | | M D3 | current along {axis} below the mesh, for mooring lines
 = known, needs liquid

@@ -71,10 +71,11 @@ CASES = [
     *(("flowgmo", f"plane{a}{end}(1)=.3", PLANE) for a in "yz" for end in "lh"),
     *(("flowgmo", f"planex{end}(1)=.3", {"flowgmo": "planez(1)=.5"}) for end in "lh"),
 ]  # fmt: skip
-#: of bodies that move in the liquid, or with one value only, or (VFCLEAN) in tests/unit/flow/test_clean_up.py; MUI: MU1
+#: of bodies that move in the liquid, or with one value only, or (VFCLEAN) in tests/unit/flow/test_clean_up.py,
+#: (FFSTL) tests/unit/building/test_liquid_of_files.py; MUI: MU1
 ELSEWHERE = {
     "impmob", "wetimpact", "lubrication", "filmrough", "ibuoyo", "ipref", "prefmbw", "ifdis", "npmov",
-    "ifpk", "vfclean", "mui",
+    "ifpk", "vfclean", "mui", "ffstl",
 }  # fmt: skip
 done: dict[str, bytes] = {}
 
