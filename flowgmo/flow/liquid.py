@@ -210,7 +210,7 @@ class Liquid:
             if self.tracking.pieces is not None:
                 self.tracking.pieces.keep_moments()
                 flow.moments = self.planes.moments
-            flow.passed = flow.passed + self.entered
+        flow.passed = flow.passed + self.entered
         flow.friction = flow.friction + self.friction
         flow.dt = flow.pace = dt
         if self.immersed is not None:

@@ -161,10 +161,25 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     liquid.courant, liquid.stride = rates.summed * dt, rates.trying * dt / MOST_COURANT
     if liquid.stride > 1.0:
         raise StepTooLong(f"the liquid crosses {liquid.courant:.3g} of a cell in a step")
+    if flow.F is None:
+        liquid.entered = _enter_full(liquid, dt)
     if liquid.momentum.work is not None:
         held = None if liquid.immersed is None else [None if one is None else one[0] for one in liquid.immersed.held]
         liquid.friction[:] = liquid.momentum.work.close(liquid.faces, flow.velocity, new, flow.F, dt, held)
     return solved
+
+
+def _enter_full(liquid: Liquid, dt: float) -> np.ndarray:
+    """(6,) [length3]: what comes in through each side of a domain that is full, sum over its faces (A u) dt."""
+    entered, inside = np.zeros(6), (slice(G, -G),) * 2
+    for d, (u, A) in enumerate(zip(liquid.predicted, liquid.openings[1:], strict=True)):
+        if u is not None:
+            area = np.multiply.outer(*(width for e, width in enumerate(liquid.grid[:3]) if e != d))
+            for upper, side in enumerate((G - 1, u.shape[d] - G - 1)):
+                face = (slice(None),) * d + (side,)
+                rate = area * u[face] * (1.0 if A is None else A[face])
+                entered[2 * d + upper] = (-dt if upper else dt) * float(rate[inside].sum())
+    return entered
 
 
 def answer_impulses(

@@ -108,9 +108,8 @@ class Watch:
             out["fluid/dissipated"] = float(flow.friction[0])
             if any(plan.no_slip and side.slides for side in plan.sides):
                 out["fluid/work_boundaries"] = float(flow.friction[1])
-        if flow.F is not None:
-            open_sides = [side.number for side in plan.sides if side.kind not in (SYMMETRY, WALL)]
-            out |= {f"boundaries/{SIDE_NAMES[s]}/volume": float(passed[s]) for s in open_sides}
+        open_sides = [side.number for side in plan.sides if side.kind not in (SYMMETRY, WALL)]
+        out |= {f"boundaries/{SIDE_NAMES[s]}/volume": float(passed[s]) for s in open_sides}
         for number, gate in self.gates:
             out[f"planes/{number}/flow"] = flow_through(gate, flow, self.openings)
         for probe in (standing.now() for standing in self.probes):

@@ -142,7 +142,8 @@ def test_names_and_values():
     assert found["probes/3/height"] == pytest.approx(0.95)
     assert found["bodies/rock/force"][2] == pytest.approx(RHO * GRAVITY * np.prod(np.ptp(BOX, axis=0)))
     assert not found["bodies/away/force"].any()
-    assert watch.measure(flow_of(block), 1.0, passed).keys() >= {"fluid/volume", "probes/3/p"}
+    full = watch.measure(flow_of(block), 1.0, passed)
+    assert full.keys() >= {"fluid/volume", "probes/3/p"} and full["boundaries/Xmax/volume"] == 0.01
 
 
 def test_shear_joins_the_pressure():
