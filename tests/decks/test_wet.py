@@ -29,14 +29,14 @@ def test_dam_break_on_the_coarse_mesh(runs):
 @pytest.mark.slow
 def test_dam_break_at_full_size(runs):
     # Measured over 3 s: P1 +7.5 %, P2 +8.5 % in means of 5 ms (in one step of 1 ms 19.2, 21.0 kPa), impulse +8.2 %,
-    # arrival +2.9 %, height at the first gauge 3.6 % (3.7, 4.0 and 4.2 with other steps), books 2e-16. VALIDATION D:
+    # arrival +2.9 %, height at the first gauge 3.6 to 3.8 %, books 2e-16. VALIDATION D:
     # 20 %, -, 10 %, 3 %, 4 %.
     found = runs.measure.measure(runs.results("dam_break", "spheric2"), "dam_break", "spheric2")
     assert abs(found["P1 peak of 5 ms means"] / 11239.0 - 1.0) <= 0.2
     assert abs(found["P2 peak of 5 ms means"] / 8127.0 - 1.0) <= 0.2
     assert abs(found["P1 impulse over measured"] - 1.0) <= 0.1
     assert abs(found["arrival over measured"] - 1.0) <= 0.03
-    assert found["mean error of h_1488 over .55 m"] <= 0.045
+    assert found["mean error of h_1488 over .55 m"] <= 0.04
     assert found["volume error"] <= 1e-10
 
 
