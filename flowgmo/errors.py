@@ -12,8 +12,9 @@ class StepFailed(FlowgmoError):
 
 
 class StepTooLong(StepFailed):
-    """A step that failed, where a shorter one may do; share: of its length that should be tried, None where unknown."""
+    """A step that failed, where a shorter one may do; share: of its length that should be tried, None where unknown;
+    advice: what to write where no shorter one does."""
 
-    def __init__(self, text: str, share: float | None = None) -> None:
+    def __init__(self, text: str, share: float | None = None, advice: str = "") -> None:
         super().__init__(text)
-        self.share = share
+        self.share, self.advice = share, advice

@@ -61,7 +61,8 @@ class Pace:
                     self.free = min(self.free, most)
                 self.cuts += 1
                 if most < clock.dt_min:
-                    raise StepFailed(f"{error}, and a step below dtmin={clock.dt_min:.3g} would be needed") from error
+                    text = f"{error}, and a step below dtmin={clock.dt_min:.3g} would be needed"
+                    raise StepFailed(f"{text}. {error.advice}" if error.advice else text) from error
 
     def _note_step(self, world: World, dt: float, most: float) -> None:
         """Book what bounded the step of the liquid, and what the next one grows from."""

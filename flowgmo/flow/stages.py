@@ -155,7 +155,8 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
         raise StepFailed(str(error)) from error
     liquid.tally.note_solution(solved.iterations)
     if not solved.converged:
-        raise StepTooLong(f"the pressure did not converge in {solved.iterations} iterations")
+        text = f"the pressure did not converge in {solved.iterations} iterations"
+        raise StepTooLong(text, advice="Write a larger itmax in &limits, or a larger epsadj in &xput")
     _continue(liquid, flow, new)
     rates = liquid.rates(flow.F, new)
     liquid.courant, liquid.stride = rates.summed * dt, rates.trying * dt / MOST_COURANT

@@ -20,9 +20,10 @@ FORMAT = "flowgmo restart"
 FORMAT_VERSION = 12  # raised whenever State changes
 
 #: Deck variables that may change between a run and its continuation: the end, the steps (their defaults follow from
-#: the end), and when output is written.
+#: the end), how far the pressure is solved (a run in which it does not converge ends, and asks for that), and when
+#: output is written.
 MAY_CHANGE = {
-    "twfin", "itwfin", "frcfin", "tstdy", "delt", "dtmin", "tdtmax", "teditdt",
+    "twfin", "itwfin", "frcfin", "tstdy", "delt", "dtmin", "tdtmax", "teditdt", "itmax", "epsadj",
     "tpltd", "tapltd", "thpltd", "tprtd", "tsprtd", "tedit", "esprtdt", "restart_dt", "remark",
 }  # fmt: skip
 GROWING = ("held_parts", "held_values")  # one row per contact

@@ -169,6 +169,22 @@ def test_a_body_that_presses_a_full_chamber_ends_the_run(flowgmo, tmp_path):
     assert (tmp_path / "bad.out" / "restart.h5").is_file()
 
 
+def test_a_pressure_that_does_not_converge_ends_the_run(flowgmo, tmp_path):
+    """One iteration a solution, and a tolerance that no step meets: steps are halved down to DTMIN, and the text says
+    what to write. So the run goes on from the state before the step, here the first one."""
+    dam = "nfls=1, fxh(1)=.8, fzh(1)=1.,"
+    (tmp_path / "bad.nml").write_text(wet(xput=FREE + "delt=.005, epsadj=1e-7,", fl=dam, limits="itmax=1,"))
+    code, out, _ = flowgmo("run", "bad.nml")
+    said = " ".join(out.split())
+    assert code == 1 and "failed: the pressure did not converge in 1 iterations" in said
+    assert "Write a larger itmax in &limits, or a larger epsadj in &xput" in said
+    told = json.loads((tmp_path / "bad.out" / "run.json").read_text())
+    assert told["status"] == "failed" and "did not converge" in told["reason"]
+    (tmp_path / "good.nml").write_text(wet(xput=FREE.replace("twfin=2.", "twfin=.02, delt=.005"), fl=dam))
+    code, _, err = flowgmo("run", "good.nml", "--restart", "bad.out/restart.h5")
+    assert code == 0, err
+
+
 def test_a_sound_deck_runs_and_keeps_its_liquid(flowgmo, tmp_path):
     """The deck that the wrong ones vary: it runs, says how much liquid there is, and loses none (measured 0)."""
     (tmp_path / "a.nml").write_text(wet(FREE.replace("twfin=2.", "twfin=.05, delt=.01")))
