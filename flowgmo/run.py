@@ -115,7 +115,8 @@ class Job:
             elif began - self.last_restart > model.output.restart_wall:
                 self._save()
             liquid, impacts = self.world.liquid, state.impacts if self.world.collisions is not None else None
-            self.log.progress(state.t, state.step, dt, impacts, liquid.tally.iterations if liquid else None)
+            of_liquid = (liquid.tally.iterations, liquid.tally.bounded_by) if liquid else ()
+            self.log.progress(state.t, state.step, dt, impacts, *of_liquid)
             self.summary.writing += time.perf_counter() - began
         if self.stop_asked:
             self.finish(INTERRUPTED, "interrupted; restart.h5 holds the state, go on with --restart")

@@ -52,10 +52,11 @@ def check_directions(found: Findings, mesh: Mesh) -> None:
     """Problems: nothing can flow in a direction with one cell, so that a side across it is closed, or the mesh is."""
     deck, shape = found.deck, mesh.blocks[0].shape
     if max(shape) == 1:
-        place = ("PX", 2) if deck.given("PX", 2) else ("SIZE",)
-        found.problem(
-            *place, wrong="the mesh is one cell, in which nothing flows", write="Give nxcelt, nycelt, nzcelt, or size"
-        )
+        place, write = ("PX", 2) if deck.given("PX", 2) else ("SIZE",), "Give nxcelt, nycelt, nzcelt, or size"
+        for name, follows in (("NTOTAL", 0), ("SIZE", 1)):
+            if (deck[name] or 0.0) > 0.0 and deck["IF_SIZE"] != follows:
+                place, write = (name,), f"Write if_size={follows}, with which cells follow {name.lower()}"
+        found.problem(*place, wrong="the mesh is one cell, in which nothing flows", write=write)
         return
     for axis in (axis for axis in range(3) if shape[axis] == 1):
         letter = "xyz"[axis]

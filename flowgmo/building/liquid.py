@@ -16,7 +16,7 @@ from flowgmo.mesh import PRESSURE, VELOCITY, Mesh
 
 def build_start(found: Findings, mesh: Mesh, bodies: tuple[Body, ...], void_pressure: float) -> LiquidStart:
     """The liquid at t = 0. Problems: regions without a shape or outside the mesh, more liquid than space, none, or none
-    outside of the bodies."""
+    outside of the bodies. Notice: a height above the mesh."""
     deck = found.deck
     mode = int(deck["IFLINITTYP"]) if deck["ITB"] == 1 else 0
     regions = [_region(found, r, mesh, void_pressure) for r in _switched_on(deck)]
@@ -28,6 +28,9 @@ def build_start(found: Findings, mesh: Mesh, bodies: tuple[Body, ...], void_pres
         regions=tuple(region for region in regions if region is not None),
         hydrostatic=deck["IPDIS"] == 1,
     )
+    top = float(mesh.bounds[1, 2])
+    if start.height is not None and start.height > top:
+        found.notice("FLHT", wrong=f"this lies above the mesh, which ends at z = {top:.6g}: it is full to its top")
     space = float(np.prod(np.ptp(mesh.bounds, axis=0)))
     if start.volume is not None and start.volume > space:
         found.problem("VLIN", wrong=f"the domain holds {space:.6g} only", write="Write a smaller volume")

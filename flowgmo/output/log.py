@@ -26,6 +26,7 @@ WIDTH = 110  # columns of run.log
 BAR_AFTER = 1.0  # s of wall time: shorter runs need no bar
 BAR_EVERY = 0.2  # s of wall time between two pictures of the bar
 LINE_EVERY = 2.0  # s of wall time between two plain lines
+LINE_WIDTH = 80  # columns of a plain line
 
 
 class Screen(Console):
@@ -101,10 +102,13 @@ class RunLog:
         """Print what the user should know before the run goes on."""
         self.print(tables.notice(text))
 
-    def progress(self, t: float, step: int, dt: float, impacts: int | None, solution: int | None = None) -> None:
+    def progress(
+        self, t: float, step: int, dt: float, impacts: int | None, solution: int | None = None, bounded_by: str = ""
+    ) -> None:
         """Say how far the run is. For every step: with nothing to say it costs less than a microsecond.
 
-        impacts so far, None where nothing collides; solution: iterations of the step's pressure, None in a dry scene.
+        impacts so far, None where nothing collides; solution: iterations of the step's pressure, None in a dry scene;
+        bounded_by: what bounded the step, told where the line has room for it.
         """
         now = self._clock()
         if now >= self._next_bar and self.console.is_terminal:
@@ -113,10 +117,12 @@ class RunLog:
         if now - self._last_line < LINE_EVERY or not self._line_due(t):
             return
         self._last_line = now
-        line = f"t {t:<9.6g} step {step:<6} dt {dt:<8.3g} "  # all of it within 80 columns
+        line = f"t {t:<9.6g} step {step:<6} dt {dt:<8.3g} "  # all of it within LINE_WIDTH
         line += "" if solution is None else f"iterations {solution:<3} "
         line += "" if impacts is None else f"impacts {impacts:<5} "
-        line += f"wall {_wall(now - self._start)}"
+        wall, by = f"wall {_wall(now - self._start)}", f"by {bounded_by:<12} "
+        line += by if bounded_by and len(line + by + wall) <= LINE_WIDTH else ""
+        line += wall
         self._print_to_file(Text(line))
         if not self.console.is_terminal:
             self._on_terminal(self.console.print, Text(line))

@@ -19,6 +19,14 @@ WRONG = {
     "mesh planes": (wet(mesh="px=0., 2., 1., nxcelt=9,"), ["bad.nml:9: &mesh px(3)=1.0", "Let px increase"]),
     "no cells": (wet(mesh="nxcelt=0,"), ["bad.nml:9: &mesh nxcelt=0", "must be >= 1"]),
     "one cell": (wet(mesh="px=0., 2.,"), ["bad.nml:9: &mesh px(2)=2.0", "nothing flows", "Give nxcelt"]),
+    "total without if_size": (
+        wet(mesh="px=0., 2., ntotal=2000,"),
+        ["bad.nml:9: &mesh ntotal=2000", "nothing flows", "Write if_size=0, with which cells follow ntotal"],
+    ),
+    "size without if_size": (
+        wet(mesh="px=0., 2., if_size=0, size=.1,"),
+        ["bad.nml:9: &mesh size=0.1", "nothing flows", "Write if_size=1, with which cells follow size"],
+    ),
     "memory": (
         wet(mesh="px=0.,2.,py=0.,1.,pz=0.,1.,\nsize=1e-5,"),
         ["bad.nml:10: &mesh size=1e-05", "this machine has", "Write a mesh of at most"],

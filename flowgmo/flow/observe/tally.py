@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Tally:
-    """Counts of one run, without what it continues. iterations: of the last solution, for the progress line."""
+    """Counts of one run, without what it continues. iterations of the last solution, and what bounded the last step,
+    for the progress line."""
 
     iterations: int = 0
+    bounded_by: str = ""
     solutions: int = 0
     all_iterations: int = 0
     most_iterations: int = 0
@@ -29,6 +31,7 @@ class Tally:
     def note_step(self, bounded_by: str, courant: float) -> None:
         """One step that was made: the term that bounded it, and dt times the largest sum of |u| / dx."""
         self.steps += 1
+        self.bounded_by = bounded_by
         self.bounded[bounded_by] = self.bounded.get(bounded_by, 0) + 1
         self.courants += courant
         self.largest_courant = max(self.largest_courant, courant)

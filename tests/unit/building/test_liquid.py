@@ -90,6 +90,14 @@ def test_starts_that_cannot_be(problems, fl, says):
     assert all(word in found for word in says), found
 
 
+@pytest.mark.parametrize(("height", "told"), [(1.5, False), (1.50001, True), (9.0, True)])
+def test_a_height_above_the_mesh_is_told(build, height, told):
+    """The mesh ends at z = 1.5."""
+    notices = [str(notice) for notice in build(wet(fl=f"flht={height},")).notices]
+    assert bool(notices) == told
+    assert not told or f"flht={height}" in notices[0] and "above the mesh, which ends at z = 1.5" in notices[0]
+
+
 @pytest.mark.parametrize(
     "bcdata",
     ["ibct(1)=6, ubct(1,1)=1.,", "ibct(1)=5,", "ibct(1)=5, ihpbct(1)=1, flhtbct(1,1)=.3,"],

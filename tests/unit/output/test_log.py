@@ -79,6 +79,16 @@ def test_a_plain_line_fits_a_narrow_terminal(scenes, tmp_path):
     assert line.endswith("wall 12:34:56")
 
 
+@pytest.mark.parametrize(("impacts", "told"), [(None, True), (12345, False)])
+def test_a_plain_line_says_what_bounds_the_step_where_it_has_room(scenes, tmp_path, impacts, told):
+    console = Console(file=io.StringIO(), width=80)
+    log = run(scenes, tmp_path, console)
+    log.progress(1.23456, 123456, 1.2345e-4, impacts, 12, "largest step")
+    log.close()
+    (line,) = [line for line in console.file.getvalue().splitlines() if line.startswith("t 1.23456")]
+    assert ("by largest step wall" in line) == told and line.endswith("wall 0:00:00")
+
+
 def test_the_bar_is_for_terminals_and_long_runs(scenes, tmp_path):
     for is_terminal, wall_step, wanted in ((True, 1.0, True), (True, 0.001, False), (False, 1.0, False)):
         wall, console = Wall(), terminal(is_terminal)
