@@ -1,9 +1,12 @@
-"""Prints what the liquid costs: `make bench-flow`, or python tests/cost/bench_flow.py [mesh | wet | large]. No test.
+"""Prints what the liquid costs: `make bench-flow`, or python tests/cost/bench_flow.py [mesh | wet | large | effects].
+No test.
 
 mesh   a dam break with a box in the way on finer and finer meshes: time a step, cell-steps a second, pressure
        iterations, bytes per cell, time of each effect, and the share of the memory's bandwidth that it reaches
-wet    a tank of one mesh, filled from 5 % to 100 %: time a step goes with what is wet
+wet    a tank of one mesh, filled from 5 % to 100 %: time a step goes with what is wet, and with its surface: the same 5
+       and 25 % as a thin slope over all of the floor and as a block at one end
 large  the dam break on 3.2 million cells
+effects  the dam break on 50 000 cells, each effect added to the same scene alone, the same steps of each
 
 Bandwidth. A triad a = b + s c by as many threads, on arrays that no cache holds, gives the bytes a second that can be
 moved. What a stage must move at least is estimated as PASSES: arrays of float64 that its kernels read or write, each
@@ -41,11 +44,12 @@ PASSES = {
 }
 DECK = """a tank
 &xput
- twfin=100., delt=.002, itb=1, gz=-9.81, ipdis=1,
+ twfin=100., delt=.002, itb=1, gz=-9.81, ipdis=1, {xput}
 /
 &props
- rhof=1000.,
+ rhof=1000., {props}
 /
+{output}
 &bcdata
  ibct=2, 2, 2, 2, 2, 2,
 /
@@ -62,6 +66,27 @@ DECK = """a tank
 
 
 BOX = "nobs=1, iob(1)=1, xl(1)=.6635, xh(1)=.8245, yl(1)=.295, yh(1)=.698, zl(1)=0., zh(1)=.161,"
+
+
+STEPS = 40, 120  # of each effect: before, and that count
+OILY = {"props": "mu1=.1,"}
+EFFECTS = {  # added to the dam break, one at a time
+    "plain": {},
+    "no box": {"bodies": ""},
+    "ifvof=4": {"xput": "ifvof=4,"},
+    "iorder=1": {"xput": "iorder=1,"},
+    "viscosity": OILY | {"xput": "ifvisc=1,"},
+    "and walls": OILY | {"xput": "ifvisc=1, iwsh=1,"},
+    "implicit": OILY | {"xput": "ifvisc=1, iwsh=1, impvis=1,"},
+    "load on the box": {"bodies": BOX + "ifrco(1)=1,"},
+    "9 probes, 3 planes": {
+        "output": "&grafic\n"
+        + "".join(f"xloc({n})={0.3 * n}, yloc({n})=.4, zloc({n})=.1,\n" for n in range(1, 10))
+        + "/\n&flowgmo\n planex=.5, 1., 1.5,\n/\n"
+    },
+    "rcsql": {"xput": "", "props": "rcsql=4e-10,"},
+    "igmres=0": {"xput": "igmres=0,"},
+}
 
 
 @flow_kernel
@@ -88,9 +113,11 @@ def bandwidth(team: object) -> float:
 class Tank:
     """One scene, stepped for a while."""
 
-    def __init__(self, n: tuple[int, int, int], liquid: str, bodies: str = BOX) -> None:
+    def __init__(
+        self, n: tuple[int, int, int], liquid: str, bodies: str = BOX, xput: str = "", props: str = "", output: str = ""
+    ) -> None:
         path = Path(tempfile.mkdtemp()) / "tank.nml"
-        path.write_text(DECK.format(n=n, liquid=liquid, bodies=bodies))
+        path.write_text(DECK.format(n=n, liquid=liquid, bodies=bodies, xput=xput, props=props, output=output))
         self.model = build_model(read_deck(path), path.with_suffix(".out"))
         self.world, self.state = prepare(self.model), initial_state(self.model)
         start_liquid(self.world, self.state)
@@ -107,10 +134,10 @@ class Tank:
             except StepTooLong:
                 dt *= 0.5
 
-    def run(self, seconds: float, wet: list) -> tuple[int, float]:
-        """Steps made and their wall time; wet gains the number of liquid cells of each."""
+    def run(self, seconds: float, most: float, wet: list) -> tuple[int, float]:
+        """Steps made, `most` at most, and their wall time; wet gains the number of liquid cells of each."""
         began, steps = time.perf_counter(), 0
-        while time.perf_counter() - began < seconds:
+        while time.perf_counter() - began < seconds and steps < most:
             self.advance()
             wet.append(np.count_nonzero(self.world.liquid.projector.wet))
             steps += 1
@@ -134,11 +161,14 @@ class Tank:
         return total / self.model.mesh.cells
 
 
-def line(name: str, tank: Tank, speed: float) -> None:
-    """One line: what it says in the module's docstring. speed: bytes a second of the triad."""
+def line(name: str, tank: Tank, speed: float, first: int = 0, most: float = np.inf) -> None:
+    """One line: what it says in the module's docstring. speed: bytes a second of the triad; first: steps that do not
+    count, of `most` that do."""
+    tank.run(np.inf, first, [])
+    tank.world.seconds.clear()
     tally, projector, wet = tank.world.liquid.tally, tank.world.liquid.projector, []
     before = tally.all_iterations, projector.solves
-    steps, wall = tank.run(SECONDS, wet)
+    steps, wall = tank.run(SECONDS, most, wet)
     cells, held = tank.model.mesh.cells, float(np.mean(wet))
     iterations = (tally.all_iterations - before[0]) / steps  # of all solutions of a step: voids ask for several
     solves = (projector.solves - before[1]) / steps
@@ -158,7 +188,7 @@ def line(name: str, tank: Tank, speed: float) -> None:
 
 
 def main(arguments: list[str]) -> None:
-    dam, asked = "nfls=1, fxl(1)=1.992, fzh(1)=.55,", set(arguments or ("mesh", "wet", "large"))
+    dam, asked = "nfls=1, fxl(1)=1.992, fzh(1)=.55,", set(arguments or ("mesh", "wet", "large", "effects"))
     first = Tank((40, 12, 12), dam)
     speed = bandwidth(first.world.liquid.team)
     print(f"{first.world.liquid.team.threads} threads; a triad moves {speed / 1e9:.1f} GB/s")
@@ -171,8 +201,14 @@ def main(arguments: list[str]) -> None:
     if "wet" in asked:
         for share in (0.05, 0.25, 0.5, 0.75, 1.0):
             line(f"tank {share:.0%} wet", Tank((161, 50, 50), _filled(share), bodies=""), speed)
+        for share in (0.05, 0.25):
+            block = f"nfls=1, fxl(1)={3.22 * (1.0 - share / 0.8)}, fzh(1)=.8,"
+            line(f"{share:.0%}, a block", Tank((161, 50, 50), block, bodies=""), speed)
     if "large" in asked:
         line("dam break", Tank((322, 100, 100), dam), speed)
+    if "effects" in asked:
+        for name, more in EFFECTS.items():
+            line(name, Tank((81, 25, 25), dam, **more), speed, *STEPS)
 
 
 def _filled(share: float) -> str:
