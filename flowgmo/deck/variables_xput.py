@@ -149,7 +149,7 @@ LIMITS = """
 = computed, needs liquid
 EPS | real | | 1e-4 | - | 0..0.5 | M D3 | open fractions nearer than this to 0 or 1 become 0 or 1
 VFCLEAN | real | | 0.05 | - | 0..1 | M D3 | lone cells with a smaller open volume are closed
-ITMAX | int | | @itmax | - | >= 1 | M D3 | pressure iterations in a step at most
+ITMAX | int | | @itmax | - | >= 1 | M D3 | pressure iterations in a step at most; igmres=0: hundreds of sweeps
 = accepted
 ITMIN | int | | 1 | - | >= 0 | M | pressure iterations in a step at least
 ITDTMX | int | | @itdtmx | - | >= 1 | M | pressure iterations that call for a smaller step
