@@ -80,11 +80,11 @@ class Liquid:
         self.present = tuple(n > 1 + 2 * G for n in self.shape)
         self.momentum = Momentum(plan, grid, openings, sides, self.gravity, self.present, self.team)
         still = openings if still is None else still
-        thin = find_thin_faces(still) if inertia_rules(plan, grid, self.gravity) else (None, None, None)
+        thin = find_thin_faces(still, grid) if inertia_rules(plan, grid, self.gravity) else (None, None, None)
         self.solid_lines = SolidLines(watched=True)
         self.planes = Planes(grid, self.solid_lines) if plan.free_surface else None
         self.projector = Projector(
-            grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor, thin=thin, still=still.V,
+            grid, openings, sides, self.team, plan.rho, plain=plan.pressure.plain_sor, thin=thin, still=still,
             beta=plan.compressibility, planes=self.planes, solid_lines=self.solid_lines,
         )  # fmt: skip
         self.acceleration = self._per_direction()

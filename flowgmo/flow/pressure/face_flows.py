@@ -11,7 +11,7 @@ import numpy as np
 from flowgmo.flow.ahead import ask_ahead
 from flowgmo.flow.columns import ONE
 from flowgmo.flow.pressure.pressure_matrix import open_volume
-from flowgmo.flow.pressure.thin_cells import ease_between
+from flowgmo.flow.pressure.thin_cells import ease_of_face
 from flowgmo.flow.solid_lines import ask_at_solids
 from flowgmo.kernel import flow_kernel, inlined
 
@@ -107,8 +107,11 @@ def push(columns, first, last, b, area_x, area_y, area_z, A, lines, q, step, u):
 
 
 @flow_kernel
-def difference(rows, first, last, b, area_x, area_y, area_z, V, A, wet, q, step, out):
-    """out (n,) = (q_upper - q_lower) b / (A S) on faces rows (n, 4), 0 where b is; thin cells like others."""
+def difference(rows, first, last, b, area_x, area_y, area_z, eased, A, wet, q, step, out):
+    """out (n,) = (q_upper - q_lower) b / (A S) on faces rows (n, 4), 0 where b is; thin cells like others.
+
+    eased: None or what thin_cells.ease_of_face asks for.
+    """
     m, n, o = step
     for r in range(first, last):
         i = rows[r, 0]
@@ -119,6 +122,7 @@ def difference(rows, first, last, b, area_x, area_y, area_z, V, A, wet, q, step,
             area = area_x[i] * area_y[j] * area_z[k]
             if A is not None:
                 area *= A[i, j, k]
-            if V is not None and wet[i, j, k] != 0 and wet[i + m, j + n, k + o] != 0:
-                area *= ease_between(V[i, j, k], V[i + m, j + n, k + o], A[i, j, k])
+            if eased is not None:
+                if wet[i, j, k] != 0 and wet[i + m, j + n, k + o] != 0:
+                    area *= ease_of_face(*eased, n + 2 * np.int64(o), np.int64(i), np.int64(j), np.int64(k))
             out[r] = (q[i + m, j + n, k + o] - q[i, j, k]) * b[i, j, k] / area

@@ -27,7 +27,7 @@ from flowgmo.flow.columns import ONE
 from flowgmo.flow.face_bits import LAST, NO_BIT, first_bit, start_of, words_of
 from flowgmo.flow.fields import G
 from flowgmo.flow.pressure.projection import Projector, scale_liquid
-from flowgmo.flow.pressure.thin_cells import ease_between
+from flowgmo.flow.pressure.thin_cells import ease_of_face
 from flowgmo.flow.solid_lines import ask_at_solids
 from flowgmo.kernel import flow_kernel, inlined, inner
 
@@ -48,7 +48,7 @@ def _alone(q, p, factor, b, area, A, low, h, pull, own, upper):
 
 
 @inlined
-def _at_surface(b, areas, A, V, q, wet, step, p, factor, h, pull, low, i, j, k):
+def _at_surface(b, areas, A, eased, q, wet, step, p, factor, h, pull, low, i, j, k):
     """What a face at the surface gains: the gradient of the face behind, or as _alone; low: the own cell is liquid."""
     di, dj, dk = step
     n = q.shape[0] * di + q.shape[1] * dj + q.shape[2] * dk
@@ -66,9 +66,9 @@ def _at_surface(b, areas, A, V, q, wet, step, p, factor, h, pull, low, i, j, k):
     if A is not None:
         area *= A[e, f, g]
     gained = (q[e, f, g] - q[e + di, f + dj, g + dk]) * b[e, f, g] / area
-    if V is not None:
+    if eased is not None:
         if e != i or f != j or g != k:
-            gained /= ease_between(V[e, f, g], V[e + di, f + dj, g + dk], A[e, f, g])
+            gained /= ease_of_face(*eased, dj + 2 * dk, e, f, g)
     return gained
 
 
@@ -90,11 +90,11 @@ def _push_amid(b, S, area_z, A, q, wet, step, up, u, i, j, k0, k1, start):
 
 
 @flow_kernel
-def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, lines, V, q, wet, d, p, factor, h, pull, u):
+def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, lines, eased, q, wet, d, p, factor, h, pull, u):
     """u -= (q_upper - q_lower) b / (A S) on the upper faces along d with b > 0, at the surface as above.
 
     p: of the last step, factor p = q where it was liquid; h (n,) [length]: distances of centres along d; pull
-    [length/time]: |g| dt along d. lines: solid_lines.py.
+    [length/time]: |g| dt along d. lines: solid_lines.py; eased: None or what thin_cells.ease_of_face asks for.
     """
     step = np.int64(d == 0), np.int64(d == 1), np.int64(d == 2)
     di, dj, dk = step
@@ -123,7 +123,7 @@ def push_as_behind(columns, first, last, b, area_x, area_y, area_z, A, lines, V,
                 surface &= surface - ONE
                 low = wet[i, j, k] != 0
                 areas = area_x, area_y, area_z
-                u[i, j, k] += _at_surface(b, areas, A, V, q, wet, step, p, factor, h, pull, low, i, j, np.int64(k))
+                u[i, j, k] += _at_surface(b, areas, A, eased, q, wet, step, p, factor, h, pull, low, i, j, np.int64(k))
 
 
 def push_by_last_pressure(projector: Projector, p: np.ndarray, dt: float, velocity: list) -> None:
@@ -134,9 +134,9 @@ def push_by_last_pressure(projector: Projector, p: np.ndarray, dt: float, veloci
     projector.sides.fill_pressure(projector.q, dt, velocity)
     for d, u in enumerate(velocity):
         if u is not None:
-            V, A, lines = projector.eased, projector.openings[1 + d], projector.lines
+            eased, A, lines = projector.eased, projector.openings[1 + d], projector.lines
             last = p, dt / projector.rho, projector.grid[3 + d], dt * abs(float(projector.sides.gravity[d]))
-            args = (m.b[d], *projector.areas[d], A, lines, V, projector.q, projector.wet, np.int64(d), *last, u)
+            args = (m.b[d], *projector.areas[d], A, lines, eased, projector.q, projector.wet, np.int64(d), *last, u)
             for columns in (m.faces, projector.lower_faces[d]):
                 if columns is not None:
                     projector.team.run(push_as_behind, columns, *args)

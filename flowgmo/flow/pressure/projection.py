@@ -95,7 +95,7 @@ class Projector:
         *,
         plain: bool = False,
         thin: tuple[ThinFaces | None, ...] = (None, None, None),
-        still: np.ndarray | None = None,
+        still: Open | None = None,
         beta: float | None = None,
         planes: Planes | None = None,
         solid_lines: SolidLines | None = None,
@@ -121,7 +121,7 @@ class Projector:
         self.solid_lines = solid_lines or SolidLines()
         self.planes = planes or Planes(grid, self.solid_lines)
         self.thin = thin
-        self.eased = still if any(t is not None for t in thin) else None
+        self.eased = (still, grid) if any(t is not None for t in thin) else None
         self.every = all_columns(shape)
         self.held = tuple(plan.kind == PRESSURE for plan in sides.plans)
         self.sealed = Sealed(openings, shape, self.held, sides.periodic)

@@ -1,6 +1,6 @@
 """Faces through which a thin cell opens: less inertia than the distance of the two centres says.
 
-    (u_new - u) phi = - dt (dp / (rho h) - g) + ...        phi = min(1, 2 V / A),  V of the smaller of the two cells
+    (u_new - u) phi = - dt (dp / (rho h) - g) + ...        phi = 1 - flat (1 - min(1, 2 V / A)),  of the smaller cell
 
 A cell of which a solid leaves a tenth open (V = .1, behind a wall that runs along the face) cannot take in or give out
 more than its own small faces let through: the wall says what crosses its large face (A = 1), not the inertia of the
@@ -10,20 +10,39 @@ which shortens everybody's step. With phi the thin cell has (nearly) its neighbo
 cell, and for V -> 0 the wall on the mesh plane is met continuously: there no pressure is needed. Pressure and gravity
 act alike, so that liquid at rest stays at rest.
 
+Along a wall that is oblique to the mesh liquid crosses such a face for good, and phi would be too little inertia for
+the force that drives it. In the tip of a wedge, open by A_x and A_z with V = A_x A_z / 2, it slides: A_x u = A_z w, so
+that w = T u with the slope T = A_x / A_z. Where gravity and the pressure around would give u_e along the wall to liquid
+with all its inertia, the pressure of the tip itself settles so that (cells as wide as high)
+
+    u = u_e (1 + T) / (phi_x + T phi_z)            u_e with phi = 1; u_e (1 + T) / (A_z (1 + T2)) with phi = 2 V / A
+
+A film on a slope of 14 degrees so began with 20 times what gravity gives it along the slope (tests/physics/
+test_oblique_walls.py). So phi is kept where the wall is nearly parallel to the face, and given up as it gets steep:
+
+    flat = max(0, 1 - T / STEEP)            u <= u_e (1 + T flat) <= u_e (1 + STEEP / 4)
+
+A layer that ends at a closed face of the mesh, or at the edge of a box, does not rise. T is A_high - A_low of the faces
+across it, but no more than twice what V / A differs from either: the same under a plane, nothing beside a step. It
+counts c2 times in cells that are c times as wide along the face's direction as along the wall.
+
 Viscous forces are not raised by 1 / phi: where they rule, phi is 1 (liquid.inertia_rules), and slivers are as
 cut_viscosity.py has them. For V >= A / 2 nothing changes: smooth walls through the middle of cells keep their order.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from flowgmo.flow.fields import G, Open
-from flowgmo.kernel import flow_kernel, inner
+from flowgmo.flow.fields import G, Grid, Open
+from flowgmo.flow.surface.cut_level import EXACT
+from flowgmo.kernel import flow_kernel, inner, kernel
 
 LEAST = 0.02  # phi: thinner cells are as good as joined, and more would only spoil the matrix
+STEEP = 0.25  # rise of a wall to its run, in cells, from which phi is 1; with more liquid slides too fast, see above
 
 
 class ThinFaces(NamedTuple):
@@ -37,14 +56,15 @@ class ThinFaces(NamedTuple):
     acts: np.ndarray
 
 
-def find_thin_faces(opened: Open) -> tuple[ThinFaces | None, ...]:
+def find_thin_faces(opened: Open, grid: Grid) -> tuple[ThinFaces | None, ...]:
     """Those along x, y, z that open a thin cell, None where there are none; not those on the sides of the domain."""
     if opened.V is None:
         return None, None, None
-    return tuple(_along(opened.V, A, d) for d, A in enumerate(opened[1:]))
+    return tuple(_along(opened, grid, d) for d in range(3))
 
 
-def _along(V: np.ndarray, A: np.ndarray | None, d: int) -> ThinFaces | None:
+def _along(opened: Open, grid: Grid, d: int) -> ThinFaces | None:
+    V, A = opened.V, opened[1 + d]
     if A is None or V.shape[d] <= 1 + 2 * G:
         return None
     real = [slice(G, -G)] * 3
@@ -54,16 +74,69 @@ def _along(V: np.ndarray, A: np.ndarray | None, d: int) -> ThinFaces | None:
     thin = (2.0 * least < area) & (least > 0.0)
     if not thin.any():
         return None
-    ease = 1.0 / np.maximum(2.0 * least[thin] / area[thin], LEAST)
-    at = np.argwhere(thin) + G
-    return ThinFaces(np.column_stack([at, at[:, 2] + 1]).astype(np.int32), ease, np.ones(len(ease)))
+    cells = (np.argwhere(thin) + G).astype(np.int32)
+    ease = np.ones(len(cells))
+    _eases(cells, opened, grid, np.int64(d), ease)
+    cells, ease = cells[ease > 1.0], ease[ease > 1.0]
+    if not len(ease):
+        return None
+    return ThinFaces(np.column_stack([cells, cells[:, 2] + 1]).astype(np.int32), ease, np.ones(len(ease)))
 
 
 @inner
-def ease_between(V_low, V_high, A):
-    """1 / phi of one face with open area A between two cells."""
-    least = min(V_low, V_high)
-    return max(A / max(2.0 * least, LEAST * A), 1.0) if least > 0.0 else 1.0
+def _rise(V, area, ends):
+    """By how much a wall rises across a cell along another direction than its own, between the open ends (low, high)
+    there; area: the larger one of the ends that the wall faces. 0 where it ends as a step."""
+    low, high, mean = min(ends[0], ends[1]), max(ends[0], ends[1]), V / area
+    rise = min(high - low, 2.0 * min(high - mean, mean - low))
+    return rise if rise > EXACT else 0.0
+
+
+@inner
+def _flat(V, own, e, f, over_e, over_f):
+    """How far a wall runs along the face: 1, down to 0 where it is as steep as STEEP. own, e, f: open ends (low, high)
+    of a cell along the face's direction and the others, of which the own one is over_e, over_f times as wide."""
+    area, across = max(own[0], own[1]), abs(own[1] - own[0])
+    rise = math.hypot(over_e * over_e * _rise(V, area, e), over_f * over_f * _rise(V, area, f))
+    if rise == 0.0:
+        return 1.0
+    return max(1.0 - rise / (STEEP * across), 0.0) if across > 0.0 else 0.0
+
+
+@inner
+def _phi(opened, grid, d, i, j, k, A):
+    """phi of a face along d with open area A by one of its cells."""
+    V = opened.V[i, j, k]
+    if 2.0 * V >= A:
+        return 1.0
+    x = opened.Ax[i - 1, j, k], opened.Ax[i, j, k]
+    y = opened.Ay[i, j - 1, k], opened.Ay[i, j, k]
+    z = opened.Az[i, j, k - 1], opened.Az[i, j, k]
+    dx, dy, dz = grid.dx[i], grid.dy[j], grid.dz[k]
+    if d == 0:
+        flat = _flat(V, x, y, z, dx / dy, dx / dz)
+    elif d == 1:
+        flat = _flat(V, y, z, x, dy / dz, dy / dx)
+    else:
+        flat = _flat(V, z, x, y, dz / dx, dz / dy)
+    return 1.0 - flat * (1.0 - max(2.0 * V / A, LEAST))
+
+
+@inner
+def ease_of_face(opened, grid, d, i, j, k):
+    """1 / phi of the upper face along d of cell (i, j, k)."""
+    A = opened.Ax[i, j, k] if d == 0 else (opened.Ay[i, j, k] if d == 1 else opened.Az[i, j, k])
+    e, f, g = i + np.int64(d == 0), j + np.int64(d == 1), k + np.int64(d == 2)
+    if not min(opened.V[i, j, k], opened.V[e, f, g]) > 0.0:
+        return 1.0
+    return 1.0 / min(_phi(opened, grid, d, i, j, k, A), _phi(opened, grid, d, e, f, g, A))
+
+
+@kernel
+def _eases(cells, opened, grid, d, ease):
+    """ease (n,) of the upper faces along d of cells (n, 3)."""
+    for n in range(len(cells)):
+        ease[n] = ease_of_face(opened, grid, d, np.int64(cells[n, 0]), np.int64(cells[n, 1]), np.int64(cells[n, 2]))
 
 
 @flow_kernel

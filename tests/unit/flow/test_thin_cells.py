@@ -2,17 +2,23 @@
 
 import numpy as np
 import pytest
+from flowgmo_flows import block_of
 from flowgmo_wet import wet
 from flowgmo_wet_runs import CLOSED, REAL, advance, start
 
-from flowgmo.flow.fields import Open
-from flowgmo.flow.pressure.thin_cells import LEAST, ease_between, find_thin_faces
+from flowgmo.flow.fields import Open, grid_of
+from flowgmo.flow.pressure.thin_cells import LEAST, STEEP, find_thin_faces
+from flowgmo.mesh import Block
 
 MESH = "px=0., 2., nxcelt=20, py=0., 1., nycelt=10, pz=0., 1., nzcelt=10,"
 
 
+EVEN = grid_of(block_of((4, 4, 4), hi=(4.0, 4.0, 4.0), ratio=1.0))
+
+
 def opened(V, A, d):
-    """One pair of cells along d in the middle of an open box, with volumes V (2,) and area A between them."""
+    """One pair of cells along d in the middle of an open box, with volumes V (2,) and area A between them; the smaller
+    one is a layer along that face."""
     arrays = [np.ones((8, 8, 8)) for _ in range(4)]
     at = [4, 4, 4]
     for n, volume in enumerate(V):
@@ -20,7 +26,23 @@ def opened(V, A, d):
         arrays[0][tuple(at)] = volume
     at[d] = 4
     arrays[1 + d][tuple(at)] = A
+    for e in {0, 1, 2} - {d}:
+        for n, volume in enumerate(V):
+            at[d] = 4 + n
+            arrays[1 + e][tuple(at)] = volume
+            at[e] = 3
+            arrays[1 + e][tuple(at)] = volume
+            at[e] = 4
     return Open(*arrays)
+
+
+def ease_at(scene, d, at=(4, 4, 4), grid=EVEN):
+    """Of the upper face along d of a cell."""
+    found = find_thin_faces(scene, grid)[d]
+    if found is None:
+        return 1.0
+    row = (found.columns[:, :3] == at).all(axis=1)
+    return found.ease[row][0] if row.any() else 1.0
 
 
 @pytest.mark.parametrize("d", [0, 1, 2])
@@ -28,16 +50,59 @@ def opened(V, A, d):
     ("V", "A", "ease"), [((0.1, 1.0), 1.0, 5.0), ((0.8, 0.2), 0.5, 1.25), ((1e-6, 1.0), 1.0, 50.0)]
 )
 def test_the_thinner_cell_decides_what_its_face_gains(d, V, A, ease):
-    found = find_thin_faces(opened(V, A, d))[d]
-    row = np.flatnonzero((found.columns[:, :3] == 4).all(axis=1))
-    assert found.ease[row] == pytest.approx([ease], rel=1e-12)
-    assert ease_between.py_func(*V, A) == pytest.approx(ease, rel=1e-12)
+    assert ease_at(opened(V, A, d), d) == pytest.approx(ease, rel=1e-12)
     assert ease <= 1.0 / LEAST
 
 
 def test_half_a_cell_and_more_keeps_its_inertia():
     for V, A in (((0.5, 1.0), 1.0), ((0.3, 0.9), 0.6), ((0.0, 1.0), 0.0)):
-        assert find_thin_faces(opened(V, A, 0))[0] is None or ease_between.py_func(*V, A) == 1.0
+        assert ease_at(opened(V, A, 0), 0) == 1.0
+
+
+def wedge(d, e, rise, thick, tip):
+    """Open above a solid that rises along e in the cell (4, 4, 4): open by `thick` at its lower end, by nothing at its
+    upper one where it is the tip; up along d lies a whole cell."""
+    arrays = [np.ones((8, 8, 8)) for _ in range(4)]
+    at, across, below = [4, 4, 4], [4, 4, 4], [4, 4, 4]
+    across[e], below[d] = 3, 3
+    far = max(thick - rise, 0.0)
+    reach = thick / rise if tip else 1.0
+    arrays[0][tuple(at)] = 0.5 * (thick + far) * reach
+    arrays[1 + d][tuple(at)], arrays[1 + d][tuple(below)] = reach, 0.0
+    arrays[1 + e][tuple(at)], arrays[1 + e][tuple(across)] = far, thick
+    (f,) = {0, 1, 2} - {d, e}
+    side = [4, 4, 4]
+    side[f] = 3
+    arrays[1 + f][tuple(at)] = arrays[1 + f][tuple(side)] = arrays[0][tuple(at)]
+    return Open(*arrays)
+
+
+@pytest.mark.parametrize(("d", "e"), [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)])
+def test_a_wall_that_rises_gives_the_face_its_inertia_back(d, e):
+    """phi = 1 - (1 - 2 V / A) (1 - T / STEEP), and 1 from STEEP on, in tips too and for both of their faces."""
+    for rise in (0.0, 0.05, 0.1, 0.2):
+        V = 0.3 - 0.5 * rise
+        phi = 1.0 - (1.0 - 2.0 * V) * max(1.0 - rise / STEEP, 0.0)
+        assert ease_at(wedge(d, e, rise, 0.3, False), d) == pytest.approx(1.0 / phi, rel=1e-12)
+    phi = 1.0 - (1.0 - 0.1) * (1.0 - 0.125 / STEEP)
+    assert ease_at(wedge(d, e, 0.125, 0.1, True), d) == pytest.approx(1.0 / phi, rel=1e-12)
+    for rise in (1.01 * STEEP, 0.5, 1.0, 3.0):
+        assert find_thin_faces(wedge(d, e, rise, 0.1, True), EVEN) == (None, None, None)
+
+
+def test_a_slope_counts_by_the_shape_of_the_cells():
+    """Twice as wide along the face's direction as along the wall: the rise counts four times."""
+    steps = [np.linspace(0.0, 4.0 * (1.0 + (d == 2)), 5) for d in range(3)]
+    grid = grid_of(Block(*steps, (), name=""))
+    phi = 1.0 - (1.0 - 2.0 * 0.28) * (1.0 - 4.0 * 0.04 / STEEP)
+    assert ease_at(wedge(2, 0, 0.04, 0.3, False), 2, grid=grid) == pytest.approx(1.0 / phi, rel=1e-12)
+
+
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_a_layer_that_ends_at_a_closed_face_or_at_an_open_one_is_no_slope(end):
+    scene = opened((0.1, 1.0), 1.0, 2)
+    scene.Ax[4, 4, 4] = end
+    assert ease_at(scene, 2) == pytest.approx(5.0, rel=1e-12)
 
 
 def hits(high):
