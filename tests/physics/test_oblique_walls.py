@@ -45,6 +45,31 @@ def test_a_film_starts_with_the_acceleration_along_the_slope(angle):
         assert np.abs(velocity[middle][acts] / (G * t * np.sin(th)) + share).max() <= 0.03
 
 
+@pytest.mark.parametrize("rise", [(0.364, 0.2), (0.577, 0.577), (0.2, 0.15), (1.2, 0.7), (-0.25, 0.12)])
+def test_a_slope_may_fall_across_the_mesh(rise):
+    """The same on a plane that rises by `rise` along x and y: g . (1 - n n) t. Measured: off by .6 % of it at most,
+    where thin cells were light whatever their wall 4 to 14 times g t in corners of three faces."""
+    n = np.array([-rise[0], -rise[1], 1.0]) / math.hypot(*rise, 1.0)
+    low, high = 0.2637, 0.2637 + 0.1 / n[2]
+    plane = f"cx(#)={-rise[0]}, cy(#)={-rise[1]}, cz(#)=1.,".replace("#", "1")
+    text = wet(
+        "twfin=.3, delt=.005, itb=1, gz=-9.81,",
+        mesh="px=0., 1., nxcelt=16, py=0., 1., nycelt=16, pz=0., 2.5, nzcelt=40,",
+        fl=f"nfls=1, fcc(1)={-float(high)!r}, " + plane.replace("c", "fc"),
+        bcdata=CLOSED,
+        obs=f"nobs=1, iob(1)=1, cc(1)={-low!r}, {plane}",
+    )
+    liquid, flow, first = start(text)
+    t, _, _ = advance(liquid, flow, first, most=1)
+    along = np.array([0.0, 0.0, -1.0]) + n * n[2]
+    middle = (slice(8, 12), slice(8, 12), slice(2, -2))
+    for velocity, b, share in zip(flow.velocity, liquid.projector.matrix.b, along, strict=True):
+        acts = b[middle] > 0.0
+        assert acts.sum() >= 20
+        off = velocity[middle][acts] / (G * t) - share
+        assert np.abs(off).max() <= 0.012 * np.linalg.norm(along)
+
+
 def energies(text, end):
     """Rows (t, kinetic, potential) of a run, and the mean velocity (3,) of its liquid at the end."""
     world, state = begin(text)

@@ -22,9 +22,10 @@ test_oblique_walls.py). So phi is kept where the wall is nearly parallel to the 
 
     flat = max(0, 1 - T / STEEP)            u <= u_e (1 + T flat) <= u_e (1 + STEEP / 4)
 
-A layer that ends at a closed face of the mesh, or at the edge of a box, does not rise. T is A_high - A_low of the faces
-across it, but no more than twice what V / A differs from either: the same under a plane, nothing beside a step. It
-counts c2 times in cells that are c times as wide along the face's direction as along the wall.
+T is |s_e| / |s_d| of the plane that leaves the cell's faces open (cut_level.solid_plane), and counts c2 times in cells
+that are c times as wide along the face's direction as along the wall. A layer that ends at a closed face of the mesh,
+or at the edge of a box along the mesh, has such a plane too and does not rise: where the corner of a box explains the
+cell (places_of_liquid.py), T is 0.
 
 Viscous forces are not raised by 1 / phi: where they rule, phi is 1 (liquid.inertia_rules), and slivers are as
 cut_viscosity.py has them. For V >= A / 2 nothing changes: smooth walls through the middle of cells keep their order.
@@ -38,7 +39,8 @@ from typing import NamedTuple
 import numpy as np
 
 from flowgmo.flow.fields import G, Grid, Open
-from flowgmo.flow.surface.cut_level import EXACT
+from flowgmo.flow.observe.places_of_liquid import box_misses
+from flowgmo.flow.surface.cut_level import EXACT, solid_plane
 from flowgmo.kernel import flow_kernel, inner, kernel
 
 LEAST = 0.02  # phi: thinner cells are as good as joined, and more would only spoil the matrix
@@ -84,42 +86,24 @@ def _along(opened: Open, grid: Grid, d: int) -> ThinFaces | None:
 
 
 @inner
-def _rise(V, area, ends):
-    """By how much a wall rises across a cell along another direction than its own, between the open ends (low, high)
-    there; area: the larger one of the ends that the wall faces. 0 where it ends as a step."""
-    low, high, mean = min(ends[0], ends[1]), max(ends[0], ends[1]), V / area
-    rise = min(high - low, 2.0 * min(high - mean, mean - low))
-    return rise if rise > EXACT else 0.0
+def _flat(opened, grid, d, i, j, k):
+    """How far the wall of a cell runs along its faces along d: 1, down to 0 where it is as steep as STEEP."""
+    s, _ = solid_plane(opened, i, j, k)
+    if box_misses(opened, s, i, j, k) <= EXACT:
+        return 1.0
+    x, y, z = (s[0], grid.dx[i]), (s[1], grid.dy[j]), (s[2], grid.dz[k])
+    own, e, f = (x, y, z) if d == 0 else ((y, z, x) if d == 1 else (z, x, y))
+    rise = math.hypot(e[0] * (own[1] / e[1]) ** 2, f[0] * (own[1] / f[1]) ** 2)
+    return max(1.0 - rise / (STEEP * abs(own[0])), 0.0) if own[0] != 0.0 else 0.0
 
 
 @inner
-def _flat(V, own, e, f, over_e, over_f):
-    """How far a wall runs along the face: 1, down to 0 where it is as steep as STEEP. own, e, f: open ends (low, high)
-    of a cell along the face's direction and the others, of which the own one is over_e, over_f times as wide."""
-    area, across = max(own[0], own[1]), abs(own[1] - own[0])
-    rise = math.hypot(over_e * over_e * _rise(V, area, e), over_f * over_f * _rise(V, area, f))
-    if rise == 0.0:
-        return 1.0
-    return max(1.0 - rise / (STEEP * across), 0.0) if across > 0.0 else 0.0
-
-
-@inner
-def _phi(opened, grid, d, i, j, k, A):
-    """phi of a face along d with open area A by one of its cells."""
-    V = opened.V[i, j, k]
-    if 2.0 * V >= A:
-        return 1.0
-    x = opened.Ax[i - 1, j, k], opened.Ax[i, j, k]
-    y = opened.Ay[i, j - 1, k], opened.Ay[i, j, k]
-    z = opened.Az[i, j, k - 1], opened.Az[i, j, k]
-    dx, dy, dz = grid.dx[i], grid.dy[j], grid.dz[k]
-    if d == 0:
-        flat = _flat(V, x, y, z, dx / dy, dx / dz)
-    elif d == 1:
-        flat = _flat(V, y, z, x, dy / dz, dy / dx)
-    else:
-        flat = _flat(V, z, x, y, dz / dx, dz / dy)
-    return 1.0 - flat * (1.0 - max(2.0 * V / A, LEAST))
+def _inertia(opened, grid, d, i, j, k, A):
+    """phi A of a face along d with open area A by one of its cells."""
+    least = max(2.0 * opened.V[i, j, k], LEAST * A)
+    if least >= A:
+        return A
+    return least + (1.0 - _flat(opened, grid, d, i, j, k)) * (A - least)
 
 
 @inner
@@ -129,7 +113,7 @@ def ease_of_face(opened, grid, d, i, j, k):
     e, f, g = i + np.int64(d == 0), j + np.int64(d == 1), k + np.int64(d == 2)
     if not min(opened.V[i, j, k], opened.V[e, f, g]) > 0.0:
         return 1.0
-    return 1.0 / min(_phi(opened, grid, d, i, j, k, A), _phi(opened, grid, d, e, f, g, A))
+    return A / min(_inertia(opened, grid, d, i, j, k, A), _inertia(opened, grid, d, e, f, g, A))
 
 
 @kernel

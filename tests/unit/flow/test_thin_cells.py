@@ -17,15 +17,16 @@ EVEN = grid_of(block_of((4, 4, 4), hi=(4.0, 4.0, 4.0), ratio=1.0))
 
 
 def opened(V, A, d):
-    """One pair of cells along d in the middle of an open box, with volumes V (2,) and area A between them; the smaller
-    one is a layer along that face."""
+    """One pair of cells along d in the middle of an open box, with volumes V (2,) and area A between them: both are
+    layers along that face."""
     arrays = [np.ones((8, 8, 8)) for _ in range(4)]
     at = [4, 4, 4]
     for n, volume in enumerate(V):
         at[d] = 4 + n
         arrays[0][tuple(at)] = volume
-    at[d] = 4
-    arrays[1 + d][tuple(at)] = A
+    for n, area in ((3, 0.0), (4, A), (5, 0.0)):
+        at[d] = n
+        arrays[1 + d][tuple(at)] = area
     for e in {0, 1, 2} - {d}:
         for n, volume in enumerate(V):
             at[d] = 4 + n
@@ -98,11 +99,14 @@ def test_a_slope_counts_by_the_shape_of_the_cells():
     assert ease_at(wedge(2, 0, 0.04, 0.3, False), 2, grid=grid) == pytest.approx(1.0 / phi, rel=1e-12)
 
 
-@pytest.mark.parametrize("end", [0.0, 1.0])
-def test_a_layer_that_ends_at_a_closed_face_or_at_an_open_one_is_no_slope(end):
+@pytest.mark.parametrize(("end", "V"), [(0.0, 0.1), (1.0, 0.19)])
+def test_a_layer_that_ends_at_a_closed_face_or_at_the_edge_of_a_box_is_no_slope(end, V):
+    """The box ends with a tenth of the cell to go."""
     scene = opened((0.1, 1.0), 1.0, 2)
     scene.Ax[4, 4, 4] = end
-    assert ease_at(scene, 2) == pytest.approx(5.0, rel=1e-12)
+    scene.V[4, 4, 4] = scene.Ay[4, 4, 4] = scene.Ay[4, 3, 4] = V
+    scene.Az[4, 4, 3] = end * 0.1
+    assert ease_at(scene, 2) == pytest.approx(0.5 / V, rel=1e-12)
 
 
 def hits(high):
