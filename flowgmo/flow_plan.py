@@ -81,6 +81,15 @@ class SidePlan:
         velocity = None if self.velocity is None else np.array([value(column) for column in self.velocity.T])
         return SideValues(velocity, value(self.pressure), value(self.fraction), value(self.height))
 
+    def over(self, begin: float, end: float) -> SideValues:
+        """The values at `end`, but across the side the mean velocity since `begin`: what a table says comes in."""
+        values = self.at(end)
+        if self.velocity is not None and len(self.t) > 1 and begin < end:
+            across = self.velocity[:, self.number // 2]
+            times = np.concatenate([[begin], self.t[(self.t > begin) & (self.t < end)], [end]])
+            values.velocity[self.number // 2] = np.trapezoid(np.interp(times, self.t, across), times) / (end - begin)
+        return values
+
 
 @dataclass(frozen=True, eq=False)
 class LiquidRegion:

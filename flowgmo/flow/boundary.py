@@ -59,9 +59,9 @@ class Sides:
         """Whether the pressure moves the faces on the lower side along d."""
         return self.plans[2 * d].kind in (PRESSURE, PERIODIC)
 
-    def set_time(self, t: float) -> None:
-        """Take the tables' values at this time."""
-        self.values = [plan.at(t) for plan in self.plans]
+    def set_time(self, t: float, since: float = np.inf) -> None:
+        """Take the tables' values at this time; of velocities across sides the mean since another one, if earlier."""
+        self.values = [plan.over(since, t) for plan in self.plans]
         self.ghosts.take(self.values)
 
     # ---- velocity

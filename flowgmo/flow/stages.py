@@ -38,7 +38,7 @@ def predict(liquid: Liquid, flow: Flow, t1: float, dt: float) -> None:
     """liquid.predicted = u + dt (advection, gravity, viscosity); the pressure equation fits the present surface."""
     run, new = liquid.team.run, liquid.predicted
     old = [flow.u, flow.v, flow.w]
-    liquid.sides.set_time(t1)
+    liquid.sides.set_time(t1, t1 - dt)
     liquid.find_columns(flow.F)
     liquid.clear_beyond()
     liquid.projector.set_surface(flow.F, lasting=liquid.planes_last)
