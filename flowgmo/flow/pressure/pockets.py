@@ -15,9 +15,9 @@ asks a shut cell for that anyway, so that the room is that before the body moved
 that opens from nothing took 1.3 times what it holds once it was shut: cells that were overfull, and jets in the slits
 behind light bodies (hard/wet_shell).
 
-What closes takes of the room first: own = (1 - F) V0 + dt grown is what is left of the cell's own. Where that is
-nothing the cell is full within the step, and lets out what does not fit: R of (1 - F) V0, without SHARE. Where it was
-not counted, a box that fell into a pile of others left .19 of a cell to a neighbour that was full (hard/wet_pile).
+What closes takes of the room first. Of the cell's own (1 - F) V0 is left (1 - F) V0 + dt grown, and R is what is bound
+of that, less grown. Where nothing is left the cell is full within the step, and lets out what does not fit: R dt =
+(1 - F) V0, all of it. Where it was not counted, a box that fell into a pile of others left .19 of a cell to a neighbour that was full (hard/wet_pile).
 Bodies that the pressure moves close it with the velocity that they have with q (Voids.opening): a ball of a thousandth
 of the water's density that hits the water at 3 m/s stops at once, and closes nothing.
 
