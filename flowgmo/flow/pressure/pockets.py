@@ -17,7 +17,8 @@ behind light bodies (hard/wet_shell).
 
 What closes takes of the room first. Of the cell's own (1 - F) V0 is left (1 - F) V0 + dt grown, and R is what is bound
 of that, less grown. Where nothing is left the cell is full within the step, and lets out what does not fit: R dt =
-(1 - F) V0, all of it. Where it was not counted, a box that fell into a pile of others left .19 of a cell to a neighbour that was full (hard/wet_pile).
+(1 - F) V0, all of it. Where it was not counted, a box that fell into a pile of others left .19 of a cell to a neighbour
+that was full (hard/wet_pile).
 Bodies that the pressure moves close it with the velocity that they have with q (Voids.opening): a ball of a thousandth
 of the water's density that hits the water at 3 m/s stops at once, and closes nothing.
 
