@@ -73,8 +73,8 @@ def wet_energy(world: World, state: State, liquid: dict, beside: float) -> dict[
 
     liquid: its values, as of flow/observe/watch.py; beside [energy]: of what the bodies' walls carry along. The
     remainder is what the step's method makes or loses: the liquid's advection and surface, the impulsive start of
-    bodies, U of the end of the step along its way, and what open sides of the domain bring. What the liquid lost in
-    viscosity is in `dissipated`, beside what contacts and films took.
+    bodies, U of the end of the step along its way. What the liquid lost in viscosity is in `dissipated`, beside what
+    contacts and films took.
     `fluid/kinetic_energy` comes back with what the liquid beside the bodies has.
     """
     coupled, arrays = coupled_bodies(world.model), world.arrays

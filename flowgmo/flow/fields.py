@@ -44,8 +44,8 @@ class Flow:
     moments (mesh, 3): F, and where in its cell the liquid lies (surface/carried_moments.py), in meshes of one layer.
     start_volume [length3] of liquid at t = 0, start_energy its kinetic and potential energy; passed (6,) [length3]:
     liquid that came in through each side since. friction (2,) [energy]: lost in viscosity since then, and what sides
-    that slide gave (momentum/viscous_work.py). momenta (7, 3): the book of momentum (momentum_book.py), None where no
-    body moves in the liquid.
+    gave, those that slide (momentum/viscous_work.py) and streams through open ones (observe/streams.py). momenta
+    (7, 3): the book of momentum (momentum_book.py), None where no body moves in the liquid.
     """
 
     u: np.ndarray | None

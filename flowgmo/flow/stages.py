@@ -21,6 +21,7 @@ from flowgmo.flow.momentum.extrapolation import continue_velocity, find_sources
 from flowgmo.flow.momentum.implicit_viscosity import add_change
 from flowgmo.flow.momentum.prediction import accelerate, fill
 from flowgmo.flow.momentum.viscous_work import put
+from flowgmo.flow.observe.streams import energy_heads
 from flowgmo.flow.pressure.bodies import Couple
 from flowgmo.flow.pressure.conjugate_gradients import Solved
 from flowgmo.flow.pressure.first_stage import push_by_last_pressure
@@ -136,6 +137,7 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     """
     plan, new = liquid.plan, liquid.predicted
     liquid.courant = liquid.stride = 0.0  # not known yet, for a step that has to be tried again
+    liquid.friction[:] = 0.0
     liquid.p[...] = flow.p
     if liquid.immersed is not None:
         liquid.immersed.rest_in_slits(new, dt)
@@ -162,25 +164,37 @@ def project(liquid: Liquid, flow: Flow, dt: float, couple: Couple | None = None)
     liquid.courant, liquid.stride = rates.summed * dt, rates.trying * dt / MOST_COURANT
     if liquid.stride > 1.0:
         raise StepTooLong(f"the liquid crosses {liquid.courant:.3g} of a cell in a step")
-    if flow.F is None:
-        liquid.entered = _enter_full(liquid, dt)
     if liquid.momentum.work is not None:
         held = None if liquid.immersed is None else [None if one is None else one[0] for one in liquid.immersed.held]
         liquid.friction[:] = liquid.momentum.work.close(liquid.faces, flow.velocity, new, flow.F, dt, held)
+    if flow.F is None:
+        liquid.entered, brought = _enter_full(liquid, flow, dt)
+        liquid.friction[1] += brought
     return solved
 
 
-def _enter_full(liquid: Liquid, dt: float) -> np.ndarray:
-    """(6,) [length3]: what comes in through each side of a domain that is full, sum over its faces (A u) dt."""
-    entered, inside = np.zeros(6), (slice(G, -G),) * 2
+def _heads(liquid: Liquid, flow: Flow, dt: float) -> list[np.ndarray | None]:
+    """What a volume that passes the sides in this step brings of energy (observe/streams.py)."""
+    of = liquid.projector
+    return energy_heads(liquid.sides, flow.velocity, liquid.predicted, liquid.p, of.q, of.matrix.diagonal, dt)
+
+
+def _enter_full(liquid: Liquid, flow: Flow, dt: float) -> tuple[np.ndarray, float]:
+    """(6,) [length3]: what comes in through each side of a domain that is full, sum over its faces (A u) dt; the energy
+    that it brings."""
+    entered, brought, inside = np.zeros(6), 0.0, (slice(G, -G),) * 2
+    heads = _heads(liquid, flow, dt)
     for d, (u, A) in enumerate(zip(liquid.predicted, liquid.openings[1:], strict=True)):
         if u is not None:
             area = np.multiply.outer(*(width for e, width in enumerate(liquid.grid[:3]) if e != d))
             for upper, side in enumerate((G - 1, u.shape[d] - G - 1)):
                 face = (slice(None),) * d + (side,)
                 rate = area * u[face] * (1.0 if A is None else A[face])
-                entered[2 * d + upper] = (-dt if upper else dt) * float(rate[inside].sum())
-    return entered
+                into = -dt if upper else dt
+                entered[2 * d + upper] = into * float(rate[inside].sum())
+                head = heads[2 * d + upper]
+                brought += 0.0 if head is None else into * float((rate * head)[inside].sum())
+    return entered, brought
 
 
 def answer_impulses(
@@ -214,7 +228,7 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
     np.copyto(liquid.F, flow.F)
     moved = Flow(*liquid.predicted, liquid.p, liquid.F, dt)
     change = liquid.immersed.change if liquid.immersed is not None else None
-    fill_ghosts = liquid.sides.fill_fraction
+    fill_ghosts, heads = liquid.sides.fill_fraction, _heads(liquid, flow, dt)
     if liquid.immersed is not None:
         liquid.immersed.narrow.lean(liquid.predicted, 1.0)
     if liquid.immersed is not None:
@@ -223,7 +237,7 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
         liquid.planes.pass_on(flow.F, liquid.F)
     else:
         liquid.forget_planes()
-    scene = liquid.openings, dt, number, fill_ghosts, change, liquid.sides.spread
+    scene = liquid.openings, dt, number, fill_ghosts, change, liquid.sides.spread, heads
     found = carry_liquid(liquid.team, liquid.tracking, moved, *scene)
     if liquid.immersed is not None:
         liquid.immersed.narrow.lean(liquid.predicted, -1.0)
@@ -234,6 +248,7 @@ def move_liquid(liquid: Liquid, flow: Flow, dt: float, number: int) -> None:
             liquid.stride = liquid.courant / MOST_ALONG
             raise StepTooLong("more liquid met in a cell than it holds, or left it")
     liquid.entered = found.entered
+    liquid.friction[1] += found.brought
     liquid.sides.fill_fraction(liquid.F)
 
 

@@ -65,7 +65,12 @@ LIQUID = {
         "potential_energy": ((), "energy", "", "of the liquid in gravity, from the corner of the domain it points at"),
         "wet_share": ((), "none", "", "cells that hold liquid, part of all"),
         "dissipated": ((), "energy", "", "lost in viscosity since t = 0, on walls too, films apart"),
-        "work_boundaries": ((), "energy", "", "given by sides that slide since t = 0"),
+        "work_boundaries": (
+            (),
+            "energy",
+            "",
+            "given by sides that slide, and by streams through open ones, since t = 0",
+        ),
     },
     "momentum": {
         "total": ((3,), "impulse", "space axes", "momentum of the liquid and the coupled bodies"),

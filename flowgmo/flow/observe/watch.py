@@ -1,7 +1,7 @@
 """All that is recorded of the liquid, at one instant: a flat dict of numbers with the names of history.h5.
 
     fluid/volume  fluid/volume_error  fluid/kinetic_energy  fluid/potential_energy  fluid/wet_share
-    fluid/dissipated  fluid/work_boundaries
+    fluid/dissipated  fluid/work_boundaries (of sides that slide or are open)
     boundaries/Xmin/volume ...        planes/1/flow ...
     probes/1/p  .../u v w F height    bodies/NAME/force  .../torque force_pressure force_shear wetted_area
 
@@ -23,6 +23,7 @@ from flowgmo.flow.observe.gauges import DUST, Standing, read_probe
 from flowgmo.flow.observe.loads import find_wall, pressure_load, shear_load
 from flowgmo.flow.observe.measures import Totals, total, volume_error
 from flowgmo.flow.observe.planes import find_gate, flow_through
+from flowgmo.flow.observe.streams import is_open
 from flowgmo.flow.solid_lines import SolidLines
 from flowgmo.flow.surface.planes import Planes
 from flowgmo.flow.team import Team
@@ -106,8 +107,9 @@ class Watch:
         out |= {"fluid/kinetic_energy": whole.kinetic, "fluid/potential_energy": whole.potential}
         if plan.mu:
             out["fluid/dissipated"] = float(flow.friction[0])
-            if any(plan.no_slip and side.slides for side in plan.sides):
-                out["fluid/work_boundaries"] = float(flow.friction[1])
+        slide = plan.mu and plan.no_slip and any(side.slides for side in plan.sides)
+        if slide or any(is_open(side.kind) for side in plan.sides):
+            out["fluid/work_boundaries"] = float(flow.friction[1])
         open_sides = [side.number for side in plan.sides if side.kind not in (SYMMETRY, WALL)]
         out |= {f"boundaries/{SIDE_NAMES[s]}/volume": float(passed[s]) for s in open_sides}
         for number, gate in self.gates:

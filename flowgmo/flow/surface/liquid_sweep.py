@@ -81,29 +81,43 @@ def sweep(columns, first, last, kind, own, A, one, two, dt, F, V, lines, flux, h
         _sweep_column(kind, own, None, one, None, two, None, i, j, k0, k1, dt, F, None, flux, heavy)
 
 
-@flow_kernel
-def through_sides(columns, first, last, d, n, flux, grid, through):
-    """through (2, columns) [length^3]: liquid that came in by the lower and upper side of direction d, n cells long.
+@inlined
+def _worth(head, a, b):
+    """What a volume through face (a, b) of a side brings of energy; 0 without heads."""
+    return 0.0 if head is None else head[a, b]
 
-    flux [length] on the faces of that direction.
+
+@flow_kernel
+def through_sides(columns, first, last, d, n, flux, grid, lower, upper, through):
+    """through (4, columns): liquid that came in by the lower and upper side of direction d, n cells long [length^3],
+    and the energy that it brought.
+
+    flux [length] on the faces of that direction. lower, upper [energy/length^3] on the faces of the sides, of mesh size
+    without d: what a volume brings (observe/streams.py); None where nothing passes.
     """
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
-        low, high = 0.0, 0.0
+        low, high, low_brought, high_brought = 0.0, 0.0, 0.0, 0.0
         if d == 2:
             area = grid.dx[i] * grid.dy[j]
             low = flux[i, j, G - 1] * area if k0 == G else 0.0
             high = -flux[i, j, n + G - 1] * area if k1 == n + G else 0.0
+            low_brought, high_brought = low * _worth(lower, i, j), high * _worth(upper, i, j)
         elif (i if d == 0 else j) == G or (i if d == 0 else j) == n + G - 1:
             width = grid.dy[j] if d == 0 else grid.dx[i]
-            place = i if d == 0 else j
+            place, other = (i, j) if d == 0 else (j, i)
             for k in range(k0, k1):
                 area = width * grid.dz[k]
                 if place == G:
-                    low += area * (flux[i - 1, j, k] if d == 0 else flux[i, j - 1, k])
+                    passed = area * (flux[i - 1, j, k] if d == 0 else flux[i, j - 1, k])
+                    low += passed
+                    low_brought += passed * _worth(lower, other, k)
                 if place == n + G - 1:
-                    high -= area * flux[i, j, k]
+                    passed = area * flux[i, j, k]
+                    high -= passed
+                    high_brought -= passed * _worth(upper, other, k)
         through[0, c], through[1, c] = low, high
+        through[2, c], through[3, c] = low_brought, high_brought
 
 
 @kernel

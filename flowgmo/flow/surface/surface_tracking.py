@@ -49,6 +49,7 @@ ORDERS = {
 }
 
 Spread = Sequence[float | None]  # of each side: F [-] of what enters, evenly spread; None: as its ghosts hold it
+Heads = Sequence[np.ndarray | None]  # of each side: the energy of a volume of what passes (observe/streams.py)
 
 
 @dataclass
@@ -75,11 +76,13 @@ class Tracking:
 class Moved(NamedTuple):
     """The books of a step.
 
-    entered (6,) [length^3]: liquid that came in through Xmin .. Zmax. over, under: largest V F - V and least V F of
-    all cells, in shares of a cell, 0 if none. lost [length^3]: of cells that closed with no open face, else 0.
+    entered (6,) [length^3]: liquid that came in through Xmin .. Zmax; brought: the energy that it brought. over, under:
+    largest V F - V and least V F of all cells, in shares of a cell, 0 if none. lost [length^3]: of cells that closed
+    with no open face, else 0.
     """
 
     entered: np.ndarray
+    brought: float
     over: float
     under: float
     lost: float
@@ -113,13 +116,14 @@ def move_liquid(
     fill: Callable[[np.ndarray], None],
     change: VolumeChange | None = None,
     spread: Spread = (None,) * 6,
+    heads: Heads = (None,) * 6,
 ) -> Moved:
     """Advance flow.F by dt [time] with the velocities u, v, w on faces; absent directions (None) are skipped.
 
     number of the step chooses the order of the sweeps. fill(F) sets the two ghost layers of F, corners too: mirror
     at walls, symmetry and absent directions, copy where periodic, what flows in at open sides; it is called before
     every sweep, but where the planes of F are known. change: of opened.V, which is then that of the end of the step.
-    spread: as of Spread, of the ghosts that fill(F) sets.
+    spread, heads: as of Spread and Heads; spread of the ghosts that fill(F) sets.
     With tracking.pieces: their moments are those of the end; the caller keeps them where the step is made.
     Holds after: the total of V F changed by what entered, to round-off; closed cells are dry.
     """
@@ -129,7 +133,7 @@ def move_liquid(
     if change is not None:
         change.stretch(F)
         planes.touch(np.column_stack(change.rows))
-    entered = np.zeros(6)
+    entered, brought = np.zeros(6), 0.0
     if not planes.are_of(F):
         fill(F)
         planes.find(team, F, opened)
@@ -138,7 +142,7 @@ def move_liquid(
         planes.forget()
         if change is not None:
             change.restore(F, opened, tracking.grid)
-        return Moved(entered, 0.0, 0.0, 0.0)
+        return Moved(entered, 0.0, 0.0, 0.0, 0.0)
     lines, around = planes.solid_lines.of(opened), widen(wet, 1, F.shape, tracking.bounds)
     reached = widen_beyond(planes.columns, 1, F.shape, tracking.bounds)
     orders = ORDERS[len(carriers)]
@@ -160,7 +164,8 @@ def move_liquid(
         d = carrier.way.d
         _let_in(carrier, dt, spread[2 * d : 2 * d + 2], tracking.flux)
         _sweep(team, tracking, wet, order, at, F, opened.V, lines, dt)
-        entered[2 * d : 2 * d + 2] = _passed(team, tracking, wet, d)
+        entered[2 * d : 2 * d + 2], more = _passed(team, tracking, wet, d, heads)
+        brought += more
     planes.forget()
     if change is not None:
         change.restore(F, opened, tracking.grid)
@@ -168,7 +173,7 @@ def move_liquid(
     if pieces is not None:
         fill(F)
         pieces.find_moments(team, wet, order, dt, F)
-    return Moved(entered, *books)
+    return Moved(entered, brought, *books)
 
 
 def _let_in(carrier: Carrier, dt: float, spread: Spread, flux: np.ndarray) -> None:
@@ -201,12 +206,13 @@ def _sweep(
     team.run(sweep, wet, kind, own, own.A, *before, dt, F, V, lines, tracking.flux, tracking.heavy)
 
 
-def _passed(team: Team, tracking: Tracking, wet: np.ndarray, d: int) -> np.ndarray:
-    """(2,) [length^3]: liquid that came in through the lower and upper side of direction d."""
-    through = np.empty((2, len(wet)))
+def _passed(team: Team, tracking: Tracking, wet: np.ndarray, d: int, heads: Heads) -> tuple[np.ndarray, float]:
+    """(2,) [length^3]: liquid that came in through the lower and upper side of direction d; the energy it brought."""
+    through = np.empty((4, len(wet)))
     n = tracking.flux.shape[d] - 4  # two ghost layers at each end
-    team.run(through_sides, wet, d, n, tracking.flux, tracking.grid, through)
-    return through.sum(axis=1)
+    team.run(through_sides, wet, d, n, tracking.flux, tracking.grid, heads[2 * d], heads[2 * d + 1], through)
+    sums = through.sum(axis=1)
+    return sums[:2], float(sums[2:].sum())
 
 
 def _settle(
