@@ -85,18 +85,15 @@ class MomentumBook:
 
     # ---- what is given
 
-    def answer(self, before: np.ndarray, after: np.ndarray, owed: np.ndarray) -> None:
-        """Impacts have been answered by a pressure without time (wet_impacts.py): it pushed walls too. before, after
-        (n, 3) velocities of bodies, owed (n, 6) what the liquid was owed before."""
-        if not owed.any():
-            return
+    def answer(self, given_to_bodies: np.ndarray) -> None:
+        """Impacts have been answered by a pressure without time (wet_impacts.py), which gave the wet bodies
+        given_to_bodies (wet, 6): it pushed walls too."""
         of, rho = self.bodies, self.liquid.plan.rho
-        wet = np.array(of.wet, dtype=np.int64)
-        back = (of.arrays["mass"][wet, None] * (after[wet] - before[wet]) - owed[wet, :3]).sum(axis=0)
         pressed = Pressed(rho * self.liquid.projector.q, self.liquid.projector.matrix.diagonal, rho, np.zeros(3))
         given = self._by_pressure(pressed, None)
         given[PRESCRIBED] = -self._on_driven(pressed)
-        self.answered = given, back
+        coupled = np.isin(of.wet, of.coupled)
+        self.answered = given, given_to_bodies[coupled, :3].sum(axis=0)
 
     def step(self, state: State, motion: np.ndarray, dt: float) -> np.ndarray:
         """momenta (7, 3) after a step from state to motion (n,) POSE, whose pressure and velocities are the liquid's

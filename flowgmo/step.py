@@ -127,6 +127,7 @@ def _stages_with_bodies(
     """As _flow_stages, where bodies move in the liquid."""
     from flowgmo.flow import stages
     from flowgmo.wet_bodies import WetBodies
+    from flowgmo.wet_stops import book_hits
 
     wet = WetBodies(model, arrays, laws, liquid)
     alone = wet.explicit
@@ -166,17 +167,21 @@ def _stages_with_bodies(
         stages.move_liquid(liquid, state.fluid, t1 - state.t, state.step)
 
     def answer_impacts(world: World, state: State, t1: float, room: Room) -> None:
-        before, owed = room.motion["v"].copy(), room.owed.copy()
-        wet.impacts.settle(state.fluid, room.motion, room.owed)
+        _record_stops(world, room)
+        given = wet.impacts.settle(state.fluid, room.motion, room.owed, room.met)
+        if given is None:
+            return
         if world.momentum is not None:
-            world.momentum.answer(before, room.motion["v"], owed)
+            world.momentum.answer(given)
+        book_hits(wet.arrays, room.motion, room.met, wet.wet, wet.reached, given, room.books)
 
     solve = project if alone is None else project_after_bodies
     before = [("open fractions", expect), ("momentum", predict), ("pressure", solve)]
     after = [("open fractions", arrive)]
     if model.fluid.free_surface:
         after.append(("liquid", move_liquid))
-    if wet.loaded and model.contacts.wet:
+    stops = alone is None and (arrays["stopped"][wet.coupled] == 1).any()
+    if model.contacts.wet if wet.loaded else stops:
         after.append(("wet impacts", answer_impacts))
     return before, after, liquid, wet
 
@@ -231,9 +236,7 @@ def step(world: World, state: State, t1: float, asked: np.ndarray, landing: bool
         world.liquid.store(state.fluid, t1 - state.t)
         state.fluid.momenta = momenta
     state.advance_clock(t1, landing)
-    if room.stops:
-        rows = np.array([row for _, row in room.stops])
-        room.impacts.append(_stop_records(world, rows, np.array([body for body, _ in room.stops])))
+    _record_stops(world, room)
     impacts = _in_order(room.impacts, state)
     if not asked.size:
         return Report(rows=None, impacts=impacts)
@@ -312,7 +315,21 @@ def _move_alone(world: World, state: State, t1: float, room: Room) -> None:
             "bound. Check its control loads, mass and inertia"
         )
     if count:
-        room.impacts.append(_stop_records(world, hits[:count], hit_body[:count]))
+        _add_stops(world, room, hits[:count], hit_body[:count])
+
+
+def _record_stops(world: World, room: Room) -> None:
+    """Stops that colliding bodies met become impacts."""
+    if room.stops:
+        _add_stops(world, room, np.array([row for _, row in room.stops]), np.array([body for body, _ in room.stops]))
+        room.stops.clear()
+
+
+def _add_stops(world: World, room: Room, hits: np.ndarray, hit_body: np.ndarray) -> None:
+    """Records of stops met, and who met them."""
+    table = _stop_records(world, hits, hit_body)
+    room.impacts.append(table)
+    room.met += [(int(b), int(hit[1]), row) for b, hit, row in zip(hit_body, hits, table, strict=True)]
 
 
 def _stop_records(world: World, hits: np.ndarray, hit_body: np.ndarray) -> np.ndarray:

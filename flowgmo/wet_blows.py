@@ -25,7 +25,7 @@ are elsewhere make of the velocities at once (ball of a tenth of the water's den
 **Where the load stays a force.** Bodies that others hold are pressed by it. And a blow a dt would throw what has just
 come to rest, or nearly, against its bed again and again: a body that would meet something in the step no faster than
 SOFT times what the load makes of the velocities keeps it too (WetImpacts.meet), unless the step is a short one, or cut
-to end with an impact. So do bodies about fixed axes and points, with stops, or with a part of their turns prescribed.
+to end with an impact. So do bodies about fixed axes and points, at stops, or with a part of their turns prescribed.
 What is prescribed of a body goes on as it does, and its load with it.
 """
 
@@ -52,12 +52,12 @@ class Blow(NamedTuple):
         return np.where(self.prescribed, gone, self.way)
 
 
-def find_struck(arrays: np.ndarray, wet: list[int], held: np.ndarray) -> np.ndarray:
-    """(k,) bool: which of the bodies `wet`, rows of arrays (n,) BODY, may go through a step with the velocities of its
-    end. held (m, 2): parties of contacts that are kept."""
+def find_struck(arrays: np.ndarray, wet: list[int], motion: np.ndarray, held: np.ndarray) -> np.ndarray:
+    """(k,) bool: which of the bodies `wet`, rows of arrays (n,) BODY and motion (n,) POSE, may go through a step with
+    the velocities of its end. held (m, 2): parties of contacts that are kept."""
     which = np.array(wet, dtype=np.int64)
     turns = arrays["coupled"][which, 3:].astype(bool)
-    free = (arrays["hinge"][which] == 0) & (arrays["stopped"][which] == 0) & (turns.all(axis=1) | ~turns.any(axis=1))
+    free = (arrays["hinge"][which] == 0) & ~motion["hold"][which].any(axis=1) & (turns.all(axis=1) | ~turns.any(axis=1))
     return free & ~np.isin(which, held)
 
 

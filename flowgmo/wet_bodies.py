@@ -241,7 +241,7 @@ class WetBodies:
         self.kicked += self.dt * np.einsum("bij,bj->bi", self.each_inverse, self.rubbed)
         self.contacts = self.contacts_held(state, motion) if self.wet and len(state.held_parts) else None
         self.short = self.dt <= SHORT * self.liquid.projector.ease or self.impacts.cut == t0
-        self.struck = self.loaded & find_struck(self.arrays, self.wet, state.held_parts[:, :2])
+        self.struck = self.loaded & find_struck(self.arrays, self.wet, motion, state.held_parts[:, :2])
         self.films = self._films(flow, motion) if self.film is not None and self.wet else None
         self.turns, self.parts = 0, {}
 

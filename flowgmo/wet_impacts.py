@@ -22,12 +22,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flowgmo.bodies.inverse_masses import block_diagonal
+from flowgmo.bodies.inverse_masses import block_diagonal, inverse_masses
 from flowgmo.errors import StepTooLong
 from flowgmo.flow import stages
 from flowgmo.flow.immersed.added_mass import added_mass, wet_inverse
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.wet_loads import way_of
+from flowgmo.wet_stops import halted, time_to_stop
 
 if TYPE_CHECKING:
     from flowgmo.state import State
@@ -74,7 +75,10 @@ class WetImpacts:
         stone that slides along its bed, and is hit by every bump, goes on.
         """
         of, dt = self.bodies, t1 - state.t
-        if world.collisions is None or dt <= SHORTEST * of.liquid.projector.ease:
+        if dt <= SHORTEST * of.liquid.projector.ease:
+            return
+        self._foresee_stops(state.t, dt, motion)
+        if world.collisions is None:
             return
         from flowgmo.collision.stage import meetings
 
@@ -86,6 +90,18 @@ class WetImpacts:
             if 2.0 * most * (t1 - hit) / of.ways.cell > ASTRAY and share < CLOSE:
                 self.cut = state.t
                 raise StepTooLong(f"body {of.names[of.place[bodies[0]]]} will be hit in the step", share)
+
+    def _foresee_stops(self, t0: float, dt: float, motion: np.ndarray) -> None:
+        """As foresee, of stops that bodies would meet with the velocities of motion (n,) POSE."""
+        of = self.bodies
+        for b in of.coupled[of.arrays["stopped"][of.coupled] == 1]:
+            k, row = of.place[int(b)], motion[b]
+            first, turns = time_to_stop(of.arrays[b], row)
+            speed = np.linalg.norm(row["w"]) * of.ways.reach[k] if turns else np.abs(row["v"]).max()
+            share = max(AFTER * first / dt, LEAST)
+            if first < dt and 2.0 * speed * (dt - first) / of.ways.cell > ASTRAY and share < CLOSE:
+                self.cut = t0
+                raise StepTooLong(f"body {of.names[k]} will meet its stop in the step", share)
 
     def meet(
         self, world: World, state: State, motion: np.ndarray, t1: float, U: np.ndarray, which: np.ndarray
@@ -131,18 +147,26 @@ class WetImpacts:
                 self.cut = t0 if share < CLOSE else self.cut
                 raise StepTooLong(text, share if share < CLOSE else None)
 
-    def settle(self, flow: object, motion: np.ndarray, owed: np.ndarray) -> None:
-        """The liquid gets what impacts owe it, owed (n, 6), which is then nothing: velocities of liquid and bodies,
-        motion (n,) POSE, change. On return the step's velocities fit, as after its pressure."""
+    def settle(self, flow: object, motion: np.ndarray, owed: np.ndarray, met: list) -> np.ndarray | None:
+        """The liquid gets what impacts owe it, owed (n, 6), which is then nothing, and halts with bodies that have met
+        stops (Room.met): velocities of liquid and bodies, motion (n,) POSE, change. On return the step's velocities
+        fit, as after its pressure. Returns impulses and moments about B (wet, 6) that the liquid
+        gives the bodies, None without impacts."""
         of = self.bodies
         which = np.array(of.wet, dtype=np.int64)
-        hit = np.flatnonzero(owed[which].any(axis=1)) if len(which) else np.zeros(0, np.int64)
+        if not len(which):
+            return None
+        rows = motion[which]
+        stopped = halted(rows, which, met)
+        hit = np.flatnonzero(owed[which].any(axis=1) | stopped)
         if not len(hit):
-            return
+            return None
+        W = of.each_inverse.copy()
+        W[stopped] = inverse_masses(of.arrays[which[stopped]], rows[stopped])
         U = np.hstack([motion["v"][which], motion["w"][which]])
-        kicked = U + np.einsum("bij,bj->bi", of.each_inverse, owed[which])
+        kicked = U + np.einsum("bij,bj->bi", W, owed[which])
         push = kicked[hit] - of.reached[hit]
-        coupling = Coupling(of.coupling.fluxes, block_diagonal(of.each_inverse), of.model.fluid.rho)
+        coupling = Coupling(of.coupling.fluxes, block_diagonal(W), of.model.fluid.rho)
 
         def right(into: np.ndarray) -> None:
             for n, jump in zip(hit, push, strict=True):
@@ -153,6 +177,7 @@ class WetImpacts:
         U = kicked + coupling.velocities(q).reshape(-1, 6)
         motion["v"][which], motion["w"][which] = U[:, :3], U[:, 3:]
         owed[which] = 0.0
+        return of.model.fluid.rho * coupling.loads(q).reshape(-1, 6)
 
 
 def first_impact(impacts: list[np.ndarray], b: int) -> float:

@@ -57,7 +57,7 @@ class Room:
         self.contact_force = np.zeros((asked.size, len(self.motion), 3)) if world.collisions else None
         self.impacts: list[np.ndarray] = []
         self.stops: list[tuple[int, np.ndarray]] = []  # stops that colliding bodies met: body, row of forced.note_hit
-
+        self.met: list[tuple[int, int, np.ndarray]] = []  # stops in records: body, component 0 .. 3, its row of IMPACT
         self.held: tuple | None = None  # contacts that stay, sleep, busy, if the contact engine ran
 
     def store(self, state: State) -> None:

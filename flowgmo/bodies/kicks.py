@@ -3,8 +3,9 @@
     U* = U + dt (accelerations by gravity and control loads at the middle of the step)
 
 The turning of the body by itself (w x I w) is left to the free flight that follows, so that it counts once. Components
-that the deck prescribes have the velocity of their law at the end of the step. Source: symplectic Euler; first order,
-as the liquid that the body displaces is moved with the velocity of the end of the step.
+that the deck prescribes have the velocity of their law at the end of the step, those that a stop holds have none: their
+inverse masses are 0 too (inverse_masses.py), so that the pressure has a wall there that does not move. Source:
+symplectic Euler; first order, as the liquid that the body displaces is moved with the velocity of the end of the step.
 """
 
 from __future__ import annotations
@@ -25,6 +26,17 @@ def kick(which, A, laws, M, t0, t1):
                 M[b].v[k] += A[b].gravity[k] * (t1 - t0)
         elif laws is not None:
             _kick_by_laws(A[b], laws, laws.hinged, laws.forced, M[b], t0, t1)
+        _stay_at_stops(M[b])
+
+
+@kernel
+def _stay_at_stops(row):
+    """What is held at a stop does not move; an angle that is held: the whole body."""
+    for k in range(3):
+        if row.hold[k] != 0 or row.hold[3] != 0:
+            row.v[k] = 0.0
+        if row.hold[3] != 0:
+            row.w[k] = 0.0
 
 
 @kernel
