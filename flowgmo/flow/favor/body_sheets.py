@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowgmo.flow.favor.body_fold import SOLID
+from flowgmo.flow.favor.body_fold import HOLE, SOLID
 from flowgmo.flow.favor.body_values import ROUND
-from flowgmo.flow.favor.near_surface import Distance, Pose, Shape, placed
+from flowgmo.flow.favor.near_surface import Distance, Pose, Shape, placed, turned
 
 
 class Moved(NamedTuple):
@@ -51,6 +51,9 @@ class Body:
             self.curved, self.side, self.roles = (shape.distance,), np.array([[-1]], np.int8), np.array([SOLID])
         else:
             self.n, self.h, self.rounds, self.curved, self.side, self.roles = found[:6]
+        of = self.side[:, : len(self.h)] * np.where(np.asarray(self.roles) == HOLE, -1, 1)[:, None]
+        self._inwards = (of > 0).any(axis=0) * 1.0 - (of < 0).any(axis=0)  # which way planes stand back: along their
+        # normal, against it, 0 of planes that pieces share
 
     def distance(self, x: np.ndarray) -> np.ndarray:
         """Signed distance (n,) of points (n, 3), in its place at t = 0."""
@@ -64,13 +67,9 @@ class Body:
         """The body at x = R x0 + t."""
         distance, bounds = placed(self, pose)
         n = self.n @ pose.R.T
-        planes = np.column_stack([n, self.h + n @ pose.t])
+        planes = np.column_stack([n, self.h + n @ pose.t + pose.back * self._inwards])
         rounds = self.rounds.copy()
         rounds[:, :3] = self.rounds[:, :3] @ pose.R.T + pose.t
         rounds[:, 3:6] = self.rounds[:, 3:6] @ pose.R.T
-        curved = tuple(_turned(d, pose) for d in self.curved)
+        curved = tuple(turned(d, pose) for d in self.curved)
         return Moved(distance, bounds, planes, rounds, curved, self.side, self.roles)
-
-
-def _turned(distance: Distance, pose: Pose) -> Distance:
-    return lambda x: distance((x - pose.t) @ pose.R)

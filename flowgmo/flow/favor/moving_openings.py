@@ -299,12 +299,12 @@ def _same(a: Pose | None, b: Pose | None) -> bool:
     """Whether two poses are the same, bit by bit."""
     if a is None or b is None:
         return a is b
-    return np.array_equal(a.R, b.R) and np.array_equal(a.t, b.t)
+    return a.back == b.back and np.array_equal(a.R, b.R) and np.array_equal(a.t, b.t)
 
 
 def _copy(pose: Pose) -> Pose:
     """A pose of its own: the caller's may change in place."""
-    return Pose(np.array(pose.R, float), np.array(pose.t, float))
+    return Pose(np.array(pose.R, float), np.array(pose.t, float), pose.back)
 
 
 def _inside(cover: BodyCover, mesh: CoverMesh) -> bool:

@@ -32,10 +32,15 @@ class Shape(Protocol):
 
 
 class Pose(NamedTuple):
-    """Where a shape is: x = R x0 + t, x0 the place it was given at. R (3, 3) a rotation, t (3,) [length]."""
+    """Where a shape is: x = R x0 + t, x0 the place it was given at. R (3, 3) a rotation, t (3,) [length].
+
+    back [length]: by how much all its flat faces, and what is known by its distance only, stand back, so that liquid
+    reaches between them and what they lie on.
+    """
 
     R: np.ndarray
     t: np.ndarray
+    back: float = 0.0
 
 
 class Near(NamedTuple):
@@ -51,11 +56,19 @@ def placed(shape: Shape, pose: Pose | None) -> tuple[Distance, np.ndarray]:
     if pose is None:
         return shape.distance, shape.bounds()
     low, high = shape.bounds()
+    distance = turned(shape.distance, pose)
     if not (np.isfinite(low).all() and np.isfinite(high).all()):
-        return lambda x: shape.distance((x - pose.t) @ pose.R), np.array([[-np.inf] * 3, [np.inf] * 3])
+        return distance, np.array([[-np.inf] * 3, [np.inf] * 3])
     middle = pose.R @ (0.5 * (low + high)) + pose.t
     half = np.abs(pose.R) @ (0.5 * (high - low))
-    return lambda x: shape.distance((x - pose.t) @ pose.R), np.array([middle - half, middle + half])
+    return distance, np.array([middle - half, middle + half])
+
+
+def turned(distance: Distance, pose: Pose) -> Distance:
+    """A distance given in the place at t = 0, in the pose."""
+    if pose.back == 0.0:
+        return lambda x: distance((x - pose.t) @ pose.R)
+    return lambda x: distance((x - pose.t) @ pose.R) + pose.back
 
 
 def near_cells(distance: Distance, planes: Planes, bounds: np.ndarray, box: np.ndarray | None = None) -> Near:

@@ -14,7 +14,7 @@ import numpy as np
 
 from flowgmo.flow.favor.covered_cells import OVERLAP
 from flowgmo.flow.favor.cut_pairs import cut_pairs
-from flowgmo.flow.favor.near_surface import ROUNDING, Pose, Shape, placed
+from flowgmo.flow.favor.near_surface import ROUNDING, Pose, Shape, placed, turned
 from flowgmo.flow.fields import G
 from flowgmo.mesh import Block
 
@@ -38,16 +38,16 @@ class Posed:
 
 def _turned(own: tuple, pose: Pose) -> tuple:
     """Sheets in their pose; boxes are those that hold the turned ones."""
-    R, t = pose
+    R, t, back = pose
     n = own.n @ R.T
 
     def boxes(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         middle, half = 0.5 * (low + high) @ R.T + t, 0.5 * (high - low) @ np.abs(R).T
         return middle - half, middle + half
 
-    curved = tuple((lambda x, d=d: d((x - t) @ R)) for d in own.curved)
+    curved = tuple(turned(d, pose) for d in own.curved)
     ends = (*boxes(own.low, own.high), curved, *boxes(own.curved_low, own.curved_high))
-    return own._replace(n=n, h=own.h + n @ t, low=ends[0], high=ends[1], curved=curved, curved_low=ends[3],
+    return own._replace(n=n, h=own.h + n @ t - back, low=ends[0], high=ends[1], curved=curved, curved_low=ends[3],
                         curved_high=ends[4])  # fmt: skip
 
 
