@@ -50,15 +50,15 @@ def test_what_is_booked_is_lost(monkeypatch, density, draw):
     world, state = begin(hair(text, draw))
     losses = []
 
-    def settle(self, flow, motion, owed, of=WetImpacts.settle):
+    def settle(self, flow, motion, owed, met, of=WetImpacts.settle):
         if not owed.any():
-            return of(self, flow, motion, owed)
+            return of(self, flow, motion, owed, met)
         after = np.hstack([motion["v"][0], motion["w"][0]])
         before = moved_by_pressure(world, world.wet_bodies.reached[0, :3])
         law = lost_by_law(world.wet_bodies, self.found, after)
-        of(self, flow, motion, owed)
+        given = of(self, flow, motion, owed, met)
         losses.append((law, before - moved_by_pressure(world, motion["v"][0])))
-        return None
+        return given
 
     monkeypatch.setattr(WetImpacts, "settle", settle)
     pace, booked = Pace(world.model, state), 0.0

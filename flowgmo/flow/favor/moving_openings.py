@@ -37,8 +37,8 @@ class Swept(NamedTuple):
 
     cells (n, 3) int32 [with ghosts] in C order: real cells that a body touches now or then and that have an open part
     now or then (so not those that stay inside). V0, V1 (n,): open shares of their volume now and then. shares: one for
-    each body, of the mean; covered: the share of the volume of the same cells that it covers now. volume (bodies, 2)
-    [length3]: each body's own volume on the mesh, now and then.
+    each body, of the mean; covered: the share of the volume of the same cells that it covers now; left: what it covers
+    less of them then. volume (bodies, 2) [length3]: each body's own volume on the mesh, now and then.
     """
 
     cells: np.ndarray
@@ -46,6 +46,7 @@ class Swept(NamedTuple):
     V1: np.ndarray
     shares: tuple[Shares, ...]
     covered: tuple[np.ndarray, ...]
+    left: tuple[np.ndarray, ...]
     volume: np.ndarray
 
 
@@ -174,8 +175,8 @@ class MovingOpenings:
         of_bodies = () if keep_mean and moved else zip(*times, strict=True)  # known, of the mean that is kept
         shares = tuple(_mean_shares(cells, wanted, of_body, parts) for of_body in of_bodies)
         volume = np.array([[a.volume, b.volume] for a, b in zip(self._covers, covers, strict=True)]).reshape(-1, 2)
-        shares, covered = (tuple(s[k] for s in shares) for k in (0, 1))
-        swept = Swept(cells[wanted], now[wanted, 6], then[wanted, 6], shares, covered, volume)
+        shares, covered, left = (tuple(s[k] for s in shares) for k in (0, 1, 2))
+        swept = Swept(cells[wanted], now[wanted, 6], then[wanted, 6], shares, covered, left, volume)
         self._pending = _Pending([_copy(pose) for pose in poses], covers, cells, now, then, swept)
         return swept
 
@@ -314,16 +315,16 @@ def _inside(cover: BodyCover, mesh: CoverMesh) -> bool:
 
 def _mean_shares(
     cells: np.ndarray, wanted: np.ndarray, times: tuple[_Rows, ...], parts: list[_Part]
-) -> tuple[Shares, np.ndarray]:
-    """Mean shares of one body in the wanted cells (n,), and of their volumes (m,) now. times, parts: now, then, and the
-    middle where it is known."""
+) -> tuple[Shares, np.ndarray, np.ndarray]:
+    """Mean shares of one body in the wanted cells (n,), what it covers of their volumes (m,) now, how much less then.
+    times, parts: now, then, and the middle where it is known."""
     weights = (0.5, 0.5) if len(times) == 2 else (1.0 / 6.0, 1.0 / 6.0, 4.0 / 6.0)
     at = covered_cells.united([rows.at for rows in times])
-    faces, covered = np.zeros((len(at), 6)), np.zeros(len(at))
+    faces, covered = np.zeros((len(at), 6)), np.zeros((2, len(at)))
     for n, (rows, part, weight) in enumerate(zip(times, parts, weights, strict=True)):
-        covered_cells.add_shares(*rows, *part, weight, at, faces, covered if n == 0 else None)
+        covered_cells.add_shares(*rows, *part, weight, at, faces, covered[n] if n < 2 else None)
     some = wanted[at]
-    return Shares(cells[at[some]], faces[some]), covered[some]
+    return Shares(cells[at[some]], faces[some]), covered[0, some], covered[0, some] - covered[1, some]
 
 
 def _rows(union: np.ndarray, cover: BodyCover) -> _Rows:

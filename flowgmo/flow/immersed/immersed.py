@@ -134,9 +134,8 @@ class Immersed:
         volumes = np.prod([d[k] for d, k in zip(self.grid[:3], rows, strict=True)], axis=0)
         self.volumes, self.growth = volumes, (swept.V1 - swept.V0) * volumes
         if before is not swept:
-            grown = self.numbers(self.cells), self.growth
             args = self.grid, self.centres, places, velocities, centres, dt
-            self.shares = mend_crossings(self.open, self.covers.open, swept.shares, grown, *args)
+            self.shares = mend_crossings(self.open, self.covers.open, swept.shares, swept.left, *args)
         self.no_void, self.all_inside = flow.F is None, self.covers.all_inside()
         self.narrow = NarrowFaces(self.open, self.numbers(self.cells))
         self.less = [np.zeros(len(slits)) for slits in self.narrow.slits]  # of what gravity gives there

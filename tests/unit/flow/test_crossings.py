@@ -68,11 +68,10 @@ def test_volumes_say_when_a_wall_passes():
     opened = Open(*(np.ones((8, 8, 8)) for _ in range(4)))
     now = Open(*(a.copy() for a in opened))
     opened.Ax[3, 3, 3] = 5.0 / 6.0
-    numbers = np.ravel_multi_index(tuple(cells.T), (8, 8, 8))
-    grown = numbers, 1e-3 * np.array([0.3 * 0.2, 0.7 * 0.2])
+    left = [np.array([0.3 * 0.2, 0.7 * 0.2])]
     centres = [0.1 * np.arange(8)] * 3
     args = centres, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]), [None], 0.02
-    (mended,) = mend_crossings(opened, now, [Shares(cells, faces)], grown, grid, *args)
+    (mended,) = mend_crossings(opened, now, [Shares(cells, faces)], left, grid, *args)
     assert mended.faces[0, 1] == pytest.approx(0.3, abs=1e-12)
     assert mended.faces[1, 0] == pytest.approx(0.3, abs=1e-12)
     assert opened.Ax[3, 3, 3] == pytest.approx(0.7, abs=1e-12)
