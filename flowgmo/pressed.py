@@ -26,7 +26,7 @@ def explained(
     region = np.zeros(immersed.open.V.shape, np.int64) if sealed.label is None else sealed.label
     inside, k = region >= 0, cause.region
     pushed = [
-        float((one.J @ U)[region.reshape(-1)[one.cells] == k].sum())
+        float((one.whole @ U)[region.reshape(-1)[one.cells] == k].sum())
         for one, U in zip(immersed.fluxes, velocities, strict=True)
     ]
     if not any(pushed):

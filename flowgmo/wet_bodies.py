@@ -37,6 +37,7 @@ from flowgmo.flow.immersed.contact_rows import constrain
 from flowgmo.flow.immersed.coupling import Coupling
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.liquid import Liquid
+from flowgmo.flow.observe.streams import is_open
 from flowgmo.flow.pressure.overfull import strongest
 from flowgmo.flow_plan import speed_in_sight
 from flowgmo.mesh import SYMMETRY, WALL
@@ -88,6 +89,7 @@ class WetBodies:
         liquid.immersed.gravity = np.asarray(model.gravity, float)
         liquid.immersed.solved = np.isin(self.movers, self.coupled)
         liquid.immersed.no_exit = not any(plan.kind not in (SYMMETRY, WALL) for plan in liquid.sides.plans)
+        liquid.immersed.open_sides = [plan.number for plan in liquid.sides.plans if is_open(plan.kind)]
         self.coupling: Coupling | None = None
         self.wet: list[int] = []
         self.records = WetLoads(arrays, laws, self.movers, self.driven, liquid, pushed=self.loaded)

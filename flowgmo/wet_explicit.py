@@ -97,7 +97,7 @@ class Explicit:
         middles, grid = b.middles(motion), b.liquid.grid
         surface = around.surface(flow)
         return [
-            resting_fluxes(covers[k], grid, around.centres, motion["p"][n], surface, middles[k])
+            resting_fluxes(covers[k], grid, around.centres, motion["p"][n], surface, middles[k], around.open_sides)
             for n, k in ((int(n), b.place[int(n)]) for n in b.coupled)
         ]
 

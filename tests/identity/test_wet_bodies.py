@@ -95,9 +95,9 @@ def pair(unit=1.0, order="ab", mirrored=False):
         return repr((x + side * value) * m)
 
     parts = {
-        "a": f"obsid(#)='a', imo(#)=4, rhomvb(#)={500.0 * unit**3!r}, iob(#)=#, rsh(#)={0.1 * m!r}, trnx(#)={at(0.36)}, "
+        "a": f"obsid(#)='a',imo(#)=4, rhomvb(#)={500.0 * unit**3!r}, iob(#)=#, rsh(#)={0.1 * m!r}, trnx(#)={at(0.36)}, "
         f"trny(#)={0.25 * m!r}, trnz(#)={0.3 * m!r}, utobs(1,#)={side * 2.5 * m!r},",
-        "b": f"obsid(#)='b', imo(#)=4, rhomvb(#)={1500.0 * unit**3!r}, iob(#)=#, xl(#)={-0.1 * m!r}, xh(#)={0.1 * m!r}, "
+        "b": f"obsid(#)='b',imo(#)=4, rhomvb(#)={1500.0 * unit**3!r}, iob(#)=#, xl(#)={-0.1 * m!r}, xh(#)={0.1 * m!r}, "
         f"yl(#)={-0.08 * m!r}, yh(#)={0.08 * m!r}, zl(#)={-0.07 * m!r}, zh(#)={0.07 * m!r}, roty(#)={side * 10.0!r}, "
         f"trnx(#)={at(0.6)}, trny(#)={0.25 * m!r}, trnz(#)={0.3 * m!r},",
     }  # fmt: skip

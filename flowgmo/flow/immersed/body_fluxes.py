@@ -20,6 +20,11 @@ Without it floating logs begin to turn about themselves, .09 rad/s after a secon
 of a ball of hardly any inertia, is used by the pressure to fill what is short in some cell, which it never does: w grew
 without bound.)
 
+Where a body leaves through an open side of the domain the liquid beyond presses it too, with the pressure of the cells
+at the side: their part of a has no share of the side's faces. (Without it the water inside pushes it out: a ball that
+floats in a stream of 1 m/s left with 2.8.) What the body takes out through the side with the velocity that was expected
+of it is in the growth of the cells; only what is found beyond that does not know of it.
+
 The pressure of the centre is not that of the wall. In liquid at rest the rest is known (observe/loads.py):
 
     lift = rho g volume ((S upper + S lower) / 2 - covered share)
@@ -39,9 +44,11 @@ import numpy as np
 
 from flowgmo.flow.favor.body_cover import BodyCover
 from flowgmo.flow.favor.shares import Shares
-from flowgmo.flow.fields import Grid
+from flowgmo.flow.fields import G, Grid
 from flowgmo.flow.immersed.displaced_places import displaced_places
 from flowgmo.flow.immersed.waterline import Surface, waterline
+
+WHOLE = 1.0 - 1e-12  # of a face: it is covered, but for rounding
 
 
 class BodyFluxes(NamedTuple):
@@ -49,7 +56,7 @@ class BodyFluxes(NamedTuple):
     length]: force of water at rest in a gravity of one along each axis, per density (see above), and its arm; edge
     (m, 2, 3) [length4/time2]: of waterline.py, None without a surface; axis (2, 3): of a body of revolution, from B to
     a point of it [length], and its direction; None of others; places (m, 3) [length4]: of displaced_places.py, None of
-    a ball."""
+    a ball; beyond (m, 6): what J would be more with the shares of open sides, None of bodies that touch none."""
 
     cells: np.ndarray
     J: np.ndarray
@@ -57,6 +64,12 @@ class BodyFluxes(NamedTuple):
     edge: np.ndarray | None = None
     axis: np.ndarray | None = None
     places: np.ndarray | None = None
+    beyond: np.ndarray | None = None
+
+    @property
+    def whole(self) -> np.ndarray:
+        """(m, 6): J with what goes through open sides of the domain."""
+        return self.J if self.beyond is None else self.J + self.beyond
 
 
 def body_fluxes(
@@ -68,18 +81,21 @@ def body_fluxes(
     middle: np.ndarray | None = None,
     surface: Surface | None = None,
     cover: BodyCover | None = None,
+    open_sides: Sequence[int] = (),
 ) -> BodyFluxes:
     """The fluxes of a body: mean shares of its cells (m, 3), covered (m,) of their volumes now; place (3,) [length]: B.
 
     centres: of cells, (n + 4,) for each direction; middle (3,): of a ball, from B to its centre; (2, 3) of a body of
     revolution, from B to a point of its axis, and its direction; None of other bodies;
-    surface: None where nothing is void; cover: of the body where it is now; None: all act at the centres of cells.
+    surface: None where nothing is void; cover: of the body where it is now; None: all act at the centres of cells;
+    open_sides: numbers of those that liquid passes.
     """
-    at = shares.cells
+    at, faces = shares.cells, _inside(shares, grid, open_sides)
     shape = tuple(len(c) for c in centres)
     dx, dy, dz = (d[at[:, e]] for e, d in enumerate(grid[:3]))
-    lower, upper = shares.faces[:, ::2], shares.faces[:, 1::2]
-    a = (upper - lower) * np.column_stack([dy * dz, dz * dx, dx * dy])
+    areas = np.column_stack([dy * dz, dz * dx, dx * dy])
+    lower, upper = faces[:, ::2], faces[:, 1::2]
+    a = (upper - lower) * areas
     lift = (0.5 * (lower + upper) - covered[:, None]) * (dx * dy * dz)[:, None]
     r = np.column_stack([c[at[:, e]] for e, c in enumerate(centres)]) - place
     axis = middle if middle is not None and middle.ndim == 2 else None
@@ -88,11 +104,36 @@ def body_fluxes(
     cells = np.ravel_multi_index(tuple(at.T.astype(np.int64)), shape)
     edge = below = None
     if surface is not None:
-        edge, below = waterline(at, shares.faces, covered, surface, grid, centres, cover)
+        edge, below = waterline(at, faces, covered, surface, grid, centres, cover)
     places = None
     if cover is not None and (middle is None or axis is not None):
         places = displaced_places(at, cells, covered, cover, below, grid, centres)
-    return BodyFluxes(cells, np.hstack([a, off_axis(a, cross(r, a), axis)]), np.hstack([lift, r]), edge, axis, places)
+    beyond = None
+    if faces is not shares.faces:
+        out = ((shares.faces - faces)[:, 1::2] - (shares.faces - faces)[:, ::2]) * areas
+        beyond = np.hstack([out, off_axis(out, cross(r, out), axis)])
+    J = np.hstack([a, off_axis(a, cross(r, a), axis)])
+    return BodyFluxes(cells, J, np.hstack([lift, r]), edge, axis, places, beyond)
+
+
+def _inside(shares: Shares, grid: Grid, open_sides: Sequence[int]) -> np.ndarray:
+    """A body's shares of faces (m, 6), without those on open sides of the domain, and on faces from which the body goes
+    on to such a side through cells that it fills."""
+    faces = shares.faces
+    for side in open_sides:
+        d, upper = divmod(side, 2)
+        there = shares.cells[:, d] == (len(grid[d]) - G - 1 if upper else G)
+        if not (there & (faces[:, side] > 0.0)).any():
+            continue
+        rows = [shares.cells[:, e] for e in range(3) if e != d]
+        along = shares.cells[:, d] if upper else -shares.cells[:, d]
+        order = np.lexsort((along, *rows))
+        last = np.ones(len(order), bool)  # of its row, towards the side
+        last[:-1] = np.any([row[order][1:] != row[order][:-1] for row in rows], axis=0)
+        there[order[last & (faces[order, side] >= WHOLE)]] = True
+        faces = faces.copy() if faces is shares.faces else faces
+        faces[there, side] = 0.0
+    return faces
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

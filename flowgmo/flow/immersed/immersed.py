@@ -110,6 +110,7 @@ class Immersed:
         self.solved = np.zeros(0, bool)  # (b,) bodies that the pressure moves
         self.uncovered: tuple[np.ndarray, np.ndarray] | None = None  # cells (n, 3) to which the step has given a past,
         # and F there (n,) before that
+        self.open_sides: list[int] = []  # of the domain
         self.no_exit = False  # no side of the domain lets liquid through
         self.on_fill: Callable[[np.ndarray], None] = ignore
 
@@ -155,7 +156,7 @@ class Immersed:
         surface, mesh = self.surface(flow), (self.grid, self.centres)
         each = self.shares, self.swept.covered, places, centres, self.covers.covers
         self.fluxes: list[BodyFluxes] = [
-            body_fluxes(self.narrow.shares_of(shares), covered, *mesh, place, centre, surface, cover)
+            body_fluxes(self.narrow.shares_of(shares), covered, *mesh, place, centre, surface, cover, self.open_sides)
             for shares, covered, place, centre, cover in zip(*each, strict=True)
         ]
 
@@ -210,7 +211,7 @@ class Immersed:
         """(n,) [length3/time]: what the bodies bring out of cells with these velocities, by their shares of faces."""
         out, numbers = np.zeros(len(self.cells)), self.numbers(self.cells)
         for one, U, closed in zip(self.fluxes, velocities, self.closed, strict=True):
-            np.add.at(out, np.searchsorted(numbers, one.cells), (closed_sum(one.J) if closed else one.J) @ U)
+            np.add.at(out, np.searchsorted(numbers, one.cells), (closed_sum(one.J) if closed else one.whole) @ U)
         return out
 
     def _uncover_cells(self, flow: Flow, dt: float) -> None:

@@ -16,6 +16,7 @@ cell, in place of the volume V: the difference is - lift.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -63,11 +64,12 @@ def resting_fluxes(
     place: np.ndarray,
     surface: Surface | None = None,
     middle: np.ndarray | None = None,
+    open_sides: Sequence[int] = (),
 ) -> BodyFluxes:
-    """The fluxes of a body that stays where it is, B at place (3,); surface, middle: as in body_fluxes."""
+    """The fluxes of a body that stays where it is, B at place (3,); surface, middle, open_sides: as in body_fluxes."""
     cells = np.column_stack(np.unravel_index(cover.numbers, [len(c) for c in centres])).astype(np.int32)
     faces, covered = cover.shares[:, :6], cover.shares[:, 6]
-    return body_fluxes(Shares(cells, faces), covered, grid, centres, place, middle, surface, cover)
+    return body_fluxes(Shares(cells, faces), covered, grid, centres, place, middle, surface, cover, open_sides)
 
 
 def wetted_area(cover: BodyCover, flow: Flow, V: np.ndarray, grid: Grid) -> float:
