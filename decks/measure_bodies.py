@@ -18,8 +18,14 @@ class Motion:
             self.time = file["time"][:]
             self.body = {key: table[:] for key, table in file[f"bodies/{name}"].items()}
             self.fluid = {key: table[:] for key, table in file["fluid"].items()}
+            self.momentum = {key: table[:] for key, table in file["momentum"].items()}
             probes = file.get("probes", {})
             self.heights = {int(k): group["height"][:] for k, group in probes.items()}
+
+    def push(self, start: float, end: float) -> float:
+        """Mean force up on the prescribed bodies between two times, of the book: it has every step's whole impulse."""
+        given = np.interp([start, end], self.time, self.momentum["prescribed"][:, 2])
+        return float(given[0] - given[1]) / (end - start)
 
     def volume_error(self) -> float:
         """The largest of the run, relative to the volume that should be there."""
@@ -114,7 +120,34 @@ def stream(results: Path, deck: str) -> dict[str, float]:
 
 
 def water_entry(results: Path, deck: str) -> dict[str, float]:
-    """Speed of the plate after its blow over that before: at t = .006 s over t = .002 s."""
-    motion = Motion(results, "plate")
-    before, after = np.interp([0.002, 0.006], motion.time, motion.body["velocity"][:, 2])
-    return {"speed after over before": after / before, "volume error": motion.volume_error()}
+    """The plate's speed after its blow over that before, at t = .006 s and .002 s; of the round bodies what `slam`
+    says, of the one that is held the mean of its lift over a swing of the tank in weights of the water displaced."""
+    motion = Motion(results, {"held": "cylinder"}.get(deck, deck))
+    if deck == "plate":
+        before, after = np.interp([0.002, 0.006], motion.time, motion.body["velocity"][:, 2])
+        found = {"speed after over before": after / before}
+    elif deck == "held":
+        found = {"lift over buoyancy": motion.push(0.5, 1.5) / (9.81 * 1000.0 * 0.5 * np.pi * 0.1**2 * 0.02)}
+    else:
+        found = slam(motion, deck)
+    return found | {"volume error": motion.volume_error()}
+
+
+def slam(motion: Motion, deck: str) -> dict[str, float]:
+    """Means of Cs = force / (.5 rho V2 area) over depths h of the lowest point, which starts 5 mm over the water, the
+    buoyancy of what is below the level taken off; and what the book of momentum leaves open, over what the body gave.
+    """
+    R, V, rho, start = 0.1, 5.0, 1000.0, 0.005
+    area, ranges = {"cylinder": (2.0 * R * 0.005, ((0.0, 0.1), (0.1, 0.5))),
+                    "sphere": (0.25 * np.pi * R**2, ((0.0, 0.1), (0.1, 0.2), (0.2, 0.5)))}[deck]  # fmt: skip
+    found = {}
+    for low, high in ranges:
+        h = np.linspace(low, high, 201) * R
+        below = {
+            "cylinder": R**2 * np.arccos(1.0 - h / R) - (R - h) * np.sqrt(h * (2.0 * R - h)),
+            "sphere": 0.25 * np.pi * h**2 * (R - h / 3.0),
+        }[deck] * (0.005 if deck == "cylinder" else 1.0)
+        force = motion.push((start + low * R) / V, (start + high * R) / V)
+        found[f"Cs, h/R {low} to {high}"] = (force - 9.81 * rho * below.mean()) / (0.5 * rho * V**2 * area)
+    left = motion.momentum["remainder"][-1, 2] / motion.momentum["prescribed"][-1, 2]
+    return found | {"momentum left over": abs(left)}

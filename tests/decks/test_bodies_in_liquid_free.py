@@ -125,3 +125,43 @@ def test_plate_shares_its_momentum_with_the_water(runs):
     found = runs.measure.measure(runs.results("water_entry", "plate"), "water_entry", "plate")
     assert found["speed after over before"] == pytest.approx(0.3455, rel=0.1)
     assert found["volume error"] <= 1e-10
+
+
+def test_cylinder_meets_water_as_measured(runs):
+    # Measured, 20 cells in a radius: mean of Cs over h/R .1 to .5 1.587, +2.5 % (40 cells: 1.623; 10: 1.744); over the
+    # first tenth 4.25, +17 %, where the law of the experiments starts at 5.15 and Wagner's at 6.28; left over .7 %. A
+    # blow that comes late or in one step would show in either, a mean of loads that misses steps in both.
+    found = runs.measure.measure(runs.results("water_entry", "cylinder"), "water_entry", "cylinder")
+    there = runs.measure.reference("water_entry", "cylinder")
+    wagner = 6.2832  # 2 pi, at h = 0 where it is largest
+    assert found["Cs, h/R 0.1 to 0.5"] == pytest.approx(there["Cs, h/R 0.1 to 0.5"][0], rel=0.06)
+    assert there["Cs, h/R 0.0 to 0.1"][0] <= found["Cs, h/R 0.0 to 0.1"] <= min(wagner, 1.25 * 3.634)
+    assert found["momentum left over"] <= 0.02
+    assert found["volume error"] <= 1e-10
+
+
+def test_sphere_meets_water(runs):
+    # Measured, 10 cells in a radius: .975, +9 % (20 cells: .895, -.1 %).
+    found = runs.measure.measure(runs.results("water_entry", "sphere"), "water_entry", "sphere")
+    first = runs.measure.reference("water_entry", "sphere")["Cs, h/R 0.0 to 0.1"][0]
+    assert found["Cs, h/R 0.0 to 0.1"] == pytest.approx(first, rel=0.13)
+    assert found["momentum left over"] <= 0.02
+    assert found["volume error"] <= 1e-10
+
+
+@pytest.mark.slow
+def test_sphere_meets_water_on_a_finer_mesh(runs):
+    # Measured: .895, -.1 %.
+    halves = [(f"={n},12, size{a}=.01,.01", f"={2 * n},16, size{a}=.005,.005") for n, a in ((20, "x"), (20, "y"))]
+    halves += [("=12,15,10, sizez=.08,.01,.01,.03", "=18,30,16, sizez=.08,.005,.005,.02")]
+    found = runs.measure.measure(varied(runs, "water_entry", "sphere", "fine", *halves), "water_entry", "sphere")
+    first = runs.measure.reference("water_entry", "sphere")["Cs, h/R 0.0 to 0.1"][0]
+    assert found["Cs, h/R 0.0 to 0.1"] == pytest.approx(first, rel=0.05)
+
+
+def test_cylinder_held_under_water_is_lifted_by_its_buoyancy(runs):
+    # Measured: 1.002 over one swing of the tank (1 s), 1.04 over one that starts .4 s later. A share of the blow that
+    # stays in the pressure would lift it for good.
+    found = runs.measure.measure(runs.results("water_entry", "held"), "water_entry", "held")
+    assert found["lift over buoyancy"] == pytest.approx(1.0, abs=0.06)
+    assert found["volume error"] <= 1e-10

@@ -38,7 +38,7 @@ LONG = {
     "stones",
     "logs",
 }  # whole runs of these take minutes: `make test-all`
-MEANT = {"gate", "heave", "settling", "bounce_in_oil", "stones", "logs"}
+MEANT = {"gate", "heave", "settling", "bounce_in_oil", "stones", "logs", "water_entry"}
 OWN = ("reaches outside the domain", "thinner than two cells", "pierces the side")  # of these scenes
 SHORT = 0.1  # of the decks' time units, at most: the wet ones' first splash
 REPORTED = ("wet_gate", "wet_bubbles")  # a driven body and a coupled one, a crowd; the others in `make test-all`
