@@ -65,7 +65,7 @@ class Pace:
                     raise StepFailed(f"{text}. {error.advice}" if error.advice else text) from error
 
     def _note_step(self, world: World, dt: float, most: float) -> None:
-        """Book what bounded the step of the liquid, and what the next one grows from."""
+        """Book what bounded the step of the liquid, the forces on bodies in it, and what the next one grows from."""
         liquid = world.liquid
         if liquid is None:
             return
@@ -74,6 +74,9 @@ class Pace:
         bounded = "tried again" if most < np.inf else "output" if dt < self.wanted else self.bounded_by
         liquid.tally.note_step(bounded, liquid.courant)
         liquid.tally.shortened = self.cuts
+        if world.wet_bodies is not None:
+            records = world.wet_bodies.records
+            records.spikes.note(records.loads.total[:, :3], self.state.t, dt)
 
     def next_time(self, world: World, most: float) -> tuple[float, bool]:
         """Where the next step of at most `most` ends, and whether that is a landing."""

@@ -79,7 +79,9 @@ def _liquid(state: State, world: World | None) -> dict:
     values = liquid_values(world, state)
     names = ("volume", "volume_error", "kinetic_energy", "potential_energy", "dissipated", "work_boundaries")
     shown = {name: values[f"fluid/{name}"] for name in names if f"fluid/{name}" in values}
-    return {"volume_error": shown.get("volume_error"), "liquid": shown | world.liquid.tally.summary()}
+    found = {"volume_error": shown.get("volume_error"), "liquid": shown | world.liquid.tally.summary()}
+    wet = world.wet_bodies
+    return found if wet is None else found | {"forces": wet.records.spikes.summary(wet.names)}
 
 
 def _peak_memory() -> int:

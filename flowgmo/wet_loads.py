@@ -22,6 +22,7 @@ from flowgmo.flow.immersed.body_fluxes import cross
 from flowgmo.flow.observe.beside_bodies import beside_bodies
 from flowgmo.flow.observe.body_loads import BodyLoads, pressure_loads, resting_fluxes, wetted_area
 from flowgmo.flow.observe.buoyancy import buoyancy_centre
+from flowgmo.flow.observe.spikes import Spikes
 from flowgmo.state import FROM_LOADS, FROM_PRESCRIBED, LOST_IN_FRICTION, State
 from flowgmo.wet_blows import Blow
 
@@ -43,6 +44,7 @@ class WetLoads:
         self.arrays, self.laws, self.movers, self.driven, self.liquid = arrays, laws, movers, driven, liquid
         self.pushed = pushed
         self.loads: BodyLoads | None = None
+        self.spikes = Spikes(len(movers))
         g = float(np.linalg.norm(liquid.gravity))
         self.up = -liquid.gravity / g if g > 0.0 else np.array([0.0, 0.0, 1.0])
 

@@ -99,6 +99,8 @@ def footer(summary: dict, units: str) -> Iterator[RenderableType]:
         yield _below(_effects_cost(summary["effects"]))
     if summary.get("liquid"):
         yield _below(_liquid(summary["liquid"], units))
+    if summary.get("forces"):
+        yield _below(_forces(summary["forces"], unit("force", units), unit("time", units)))
     if summary.get("energy"):
         yield _below(_energy(summary["energy"], unit("energy", units)))
     collisions = summary.get("collisions") or {}
@@ -152,6 +154,18 @@ def _liquid(liquid: dict, units: str) -> Table:
         table.add_row("steps bounded by", ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items()))
     if liquid.get("shortened"):
         table.add_row("steps tried again, shorter", str(liquid["shortened"]))
+    return table
+
+
+def _forces(forces: dict, of: str, time: str) -> Table:
+    """The liquid's force on moving bodies over the time that it touches them (flow/observe/spikes.py)."""
+    heads = (f"median [{of}]", "right"), ("99 % below", "right"), ("largest", "right"), (f"at t [{time}]", "right")
+    table = _table("force of the liquid on", *heads)
+    for name, size in list(forces.items())[:MOST_BODIES]:
+        shown = (f"{size[key]:.4g}" for key in ("median", "quantile_99", "largest"))
+        table.add_row(escape(name), *shown, f"{size['time']:.6g}")
+    if len(forces) > MOST_BODIES:
+        table.add_row(f"… and {len(forces) - MOST_BODIES} more")
     return table
 
 

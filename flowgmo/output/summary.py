@@ -22,6 +22,7 @@ def write_run_json(path: Path, summary: dict) -> None:
     energy        name -> number, names as in `/energy` of history.h5
     collisions    {"total", "per_body": name -> {"count", "impulse"}}
     volume_error, liquid (Tally.summary and the last row's volume and energies)   only with liquid
+    forces        name -> {"median", "quantile_99", "largest", "time"}, the liquid's on bodies that move in it
     versions, command_line;  limits  list of texts
     """
     path = Path(path)

@@ -1,5 +1,7 @@
 """Decks of bodies that the liquid moves, against closed forms and other programs."""
 
+import json
+
 import h5py
 import numpy as np
 import pytest
@@ -135,6 +137,12 @@ def test_cylinder_meets_water_as_measured(runs):
     there = runs.measure.reference("water_entry", "cylinder")
     wagner = 6.2832  # 2 pi, at h = 0 where it is largest
     assert found["Cs, h/R 0.1 to 0.5"] == pytest.approx(there["Cs, h/R 0.1 to 0.5"][0], rel=0.06)
+    results = runs.results("water_entry", "cylinder")
+    spikes = json.loads((results / "run.json").read_text())["forces"]["cylinder"]
+    with h5py.File(results / "history.h5") as file:
+        rows = np.linalg.norm(file["bodies/cylinder/force"], axis=1)
+    assert spikes["median"] < spikes["quantile_99"] <= spikes["largest"]
+    assert rows.max() == pytest.approx(spikes["largest"], rel=1e-12)  # in a step that has a row
     assert there["Cs, h/R 0.0 to 0.1"][0] <= found["Cs, h/R 0.0 to 0.1"] <= min(wagner, 1.25 * 3.634)
     assert found["momentum left over"] <= 0.02
     assert found["volume error"] <= 1e-10
