@@ -6,6 +6,7 @@ ball is its centre with a radius, a box has points on its edges, a log on its ri
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import product
 from pathlib import Path
 
@@ -16,6 +17,7 @@ import numpy as np
 Array = np.ndarray
 FAR = 1e3  # m: for limits that a deck leaves open
 ON_EDGE = np.linspace(-1.0, 1.0, 7)  # of a box: every sixth of an edge
+SIDES = ("yl", "yh", "zl")  # where streams go along x under the open air
 AROUND = 24  # points on a log's rim, .13 m apart
 
 
@@ -74,52 +76,68 @@ class Solid:
         return np.linalg.norm(np.maximum(beyond, 0.0), axis=-1) + np.minimum(beyond.max(axis=-1), 0.0)
 
 
-class Scene:
-    """Of a run: time (n,), names, bodies {name: (Solid, places (n, 3), rotations (n, 3, 3))}, blocks [(low, high)]."""
+class Solids:
+    """What a deck has of them: bodies {name: Solid} that move, blocks [(low, high)] that do not, the domain."""
 
-    def __init__(self, results: Path) -> None:
-        deck = f90nml.read(results / "deck.resolved.nml")
+    def __init__(self, deck: f90nml.Namelist, moving: list[str]) -> None:
         obs, self.low, self.high = deck["obs"], *_domain(deck["mesh"])
-        with h5py.File(results / "history.h5") as file:
-            self.time, self.volume_error = file["time"][:], file["fluid/volume_error"][:]
-            self.states = {name: {key: table[:] for key, table in one.items()} for name, one in file["bodies"].items()}
-            hits = file["collisions"]
-            self.hits = {key: hits[key][:] for key in ("time", "a", "b")}
         ids = obs["obsid"] if isinstance(obs["obsid"], list) else [obs["obsid"]]
-        self.solids, self.blocks = {}, []
-        for n, component in enumerate(obs["iob"]):
+        self.bodies, self.blocks = {}, []
+        for n, component in enumerate(obs["iob"] if isinstance(obs["iob"], list) else [obs["iob"]]):
             limits = [[_entry(obs, f"{a}{end}", n, sign * FAR) for a in "xyz"] for end, sign in (("l", -1), ("h", 1))]
             low, high = np.array(limits)
             name = ids[int(component) - 1]
-            if name not in self.states:
+            if name not in moving:
                 self.blocks.append((low, high))
                 continue
             R0 = turn(np.array([_entry(obs, f"rot{a}", n, 0.0) for a in "xyz"]))
             ball, log = _entry(obs, "rsh", n, FAR), _entry(obs, "rah", n, FAR)
             kind, sizes = ("ball", np.array([ball])) if ball < FAR else ("box", 0.5 * (high - low))
-            self.solids[name] = Solid("log", np.array([log, sizes[2]]), R0) if log < FAR else Solid(kind, sizes, R0)
+            self.bodies[name] = Solid("log", np.array([log, sizes[2]]), R0) if log < FAR else Solid(kind, sizes, R0)
 
-    def deepest(self, rows: slice = slice(None)) -> float:
-        """Largest depth [length] of a body in another one, in a solid, or beyond a side in y or below in z."""
-        poses = {
-            name: (one["position"][rows], rotations(one["orientation"][rows])) for name, one in self.states.items()
-        }
-        worst = 0.0
-        for name, solid in self.solids.items():
+    def deepest(
+        self,
+        poses: dict[str, tuple[Array, Array]],
+        sides: Iterable[str] = SIDES,
+        through: Iterable[str] = (),
+    ) -> float:
+        """Largest depth [length] of a body in another one, in a solid, or beyond one of those sides of the domain,
+        where bodies `through` may go. poses {name: (places (n, 3), quaternions (n, 4))}. Below 0: the least distance,
+        as far as points tell."""
+        poses = {name: (p, rotations(q)) for name, (p, q) in poses.items()}
+        worst = -np.inf
+        for name, solid in self.bodies.items():
             p, R = poses[name]
             x = p[:, None] + np.einsum("nij,kj->nki", R, solid.points)
-            worst = max(worst, float((self.low[2] - x[..., 2]).max()) + solid.radius)
-            worst = max(
-                worst, float(np.maximum(self.low[1] - x[..., 1], x[..., 1] - self.high[1]).max()) + solid.radius
-            )
+            for side in sides if name not in through else ():
+                axis = "xyz".index(side[0])
+                beyond = self.low[axis] - x[..., axis] if side[1] == "l" else x[..., axis] - self.high[axis]
+                worst = max(worst, float(beyond.max()) + solid.radius)
             for low, high in self.blocks:
                 block = Solid("box", 0.5 * (high - low), np.eye(3))
                 worst = max(worst, solid.radius - float(block.distance(x - 0.5 * (low + high)).min()))
             for other, (p1, R1) in poses.items():
                 if other != name:
                     there = np.einsum("nji,nkj->nki", R1, x - p1[:, None])
-                    worst = max(worst, solid.radius - float(self.solids[other].distance(there).min()))
+                    worst = max(worst, solid.radius - float(self.bodies[other].distance(there).min()))
         return worst
+
+
+class Scene:
+    """Of a run: time (n,), what was recorded of each body {name: {quantity: (n, ...)}}, impacts, Solids."""
+
+    def __init__(self, results: Path) -> None:
+        with h5py.File(results / "history.h5") as file:
+            self.time, self.volume_error = file["time"][:], file["fluid/volume_error"][:]
+            self.states = {name: {key: table[:] for key, table in one.items()} for name, one in file["bodies"].items()}
+            hits = file["collisions"]
+            self.hits = {key: hits[key][:] for key in ("time", "a", "b")}
+        self.solids = Solids(f90nml.read(results / "deck.resolved.nml"), list(self.states))
+
+    def deepest(self, rows: slice = slice(None)) -> float:
+        """As Solids.deepest, in these rows; 0 where nothing overlaps."""
+        poses = {name: (one["position"][rows], one["orientation"][rows]) for name, one in self.states.items()}
+        return max(self.solids.deepest(poses), 0.0)
 
 
 def _domain(mesh: f90nml.Namelist) -> tuple[Array, Array]:

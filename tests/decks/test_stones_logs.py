@@ -50,7 +50,7 @@ def test_stones_rest_on_the_bed_until_the_water_comes(runs, scenes):
     # In the report they sit "through a series of micro-collisions" that can be seen in printed velocities.
     results = runs.varied("stones", "stones", "stones_begin", twfin=0.15)
     scene = scenes.Scene(results)
-    assert len(scene.solids) == 23
+    assert len(scene.solids.bodies) == 23
     for one in scene.states.values():
         assert np.array_equal(one["position"], np.broadcast_to(one["position"][0], one["position"].shape))
         assert np.array_equal(one["orientation"], np.broadcast_to(one["orientation"][0], one["orientation"].shape))
