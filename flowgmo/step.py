@@ -194,7 +194,7 @@ def start_liquid(world: World, state: State) -> None:
     if world.liquid is None:
         return
     if world.wet_bodies is not None:
-        world.wet_bodies.stand(poses_of(state), state.held_parts[:, :2])
+        world.wet_bodies.stand(poses_of(state), state.held_parts, state.held_values)
     if state.fluid is None:
         from flowgmo.flow.build import initial_flow
 

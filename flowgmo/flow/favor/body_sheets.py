@@ -17,6 +17,8 @@ from flowgmo.flow.favor.body_fold import HOLE, SOLID
 from flowgmo.flow.favor.body_values import ROUND
 from flowgmo.flow.favor.near_surface import Distance, Pose, Shape, placed, turned
 
+ALIGNED = 1.0 - 1e-6  # cosine: a face that lies on another, but for a thousandth of a radian
+
 
 class Moved(NamedTuple):
     """A body in its pose: planes (m, 4), rounds (q, 7) of body_values.py, curved (c); side (p, m + q + c) int8, roles
@@ -63,13 +65,25 @@ class Body:
         """Box (2, 3), in its place at t = 0."""
         return self._bounds
 
+    def faces_towards(self, R: np.ndarray, directions: np.ndarray) -> tuple[bool, ...]:
+        """Which of its planes, turned by R, face any of the directions (k, 3) of unit length; of a body without planes
+        all that it is, if there are any."""
+        if not len(directions):
+            return ()
+        if not len(self.h):
+            return (True,)
+        outward = -self._inwards[:, None] * (self.n @ R.T)
+        return tuple((outward @ directions.T > ALIGNED).any(axis=1).tolist())
+
     def moved(self, pose: Pose) -> Moved:
         """The body at x = R x0 + t."""
         distance, bounds = placed(self, pose)
         n = self.n @ pose.R.T
-        planes = np.column_stack([n, self.h + n @ pose.t + pose.back * self._inwards])
+        back = pose.back * self._inwards * pose.set_back if len(pose.set_back) == len(n) else 0.0
+        planes = np.column_stack([n, self.h + n @ pose.t + back])
         rounds = self.rounds.copy()
         rounds[:, :3] = self.rounds[:, :3] @ pose.R.T + pose.t
         rounds[:, 3:6] = self.rounds[:, 3:6] @ pose.R.T
-        curved = tuple(turned(d, pose) for d in self.curved)
+        whole = pose if len(n) == 0 else pose._replace(set_back=())
+        curved = tuple(turned(d, whole) for d in self.curved)
         return Moved(distance, bounds, planes, rounds, curved, self.side, self.roles)

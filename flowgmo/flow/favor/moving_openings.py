@@ -124,6 +124,10 @@ class MovingOpenings:
         """What the stationary solids leave open."""
         return self._still
 
+    def faces_towards(self, b: int, R: np.ndarray, directions: np.ndarray) -> tuple[bool, ...]:
+        """As Body.faces_towards, of body b."""
+        return self._bodies[b].faces_towards(R, directions)
+
     def take_changed(self) -> np.ndarray:
         """Numbers (n,) [with ghosts] of cells of which, or of whose lower faces, `mean` was written since last asked,
         ascending; ghosts are their images."""
@@ -300,12 +304,12 @@ def _same(a: Pose | None, b: Pose | None) -> bool:
     """Whether two poses are the same, bit by bit."""
     if a is None or b is None:
         return a is b
-    return a.back == b.back and np.array_equal(a.R, b.R) and np.array_equal(a.t, b.t)
+    return a.set_back == b.set_back and np.array_equal(a.R, b.R) and np.array_equal(a.t, b.t)
 
 
 def _copy(pose: Pose) -> Pose:
     """A pose of its own: the caller's may change in place."""
-    return Pose(np.array(pose.R, float), np.array(pose.t, float), pose.back)
+    return Pose(np.array(pose.R, float), np.array(pose.t, float), *pose[2:])
 
 
 def _inside(cover: BodyCover, mesh: CoverMesh) -> bool:

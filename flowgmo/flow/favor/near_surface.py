@@ -34,13 +34,14 @@ class Shape(Protocol):
 class Pose(NamedTuple):
     """Where a shape is: x = R x0 + t, x0 the place it was given at. R (3, 3) a rotation, t (3,) [length].
 
-    back [length]: by how much all its flat faces, and what is known by its distance only, stand back, so that liquid
-    reaches between them and what they lie on.
+    back [length]: by how much the faces `set_back` (Body.faces_towards) stand back, so that liquid reaches between them
+    and what they lie on.
     """
 
     R: np.ndarray
     t: np.ndarray
     back: float = 0.0
+    set_back: tuple[bool, ...] = ()
 
 
 class Near(NamedTuple):
@@ -66,7 +67,7 @@ def placed(shape: Shape, pose: Pose | None) -> tuple[Distance, np.ndarray]:
 
 def turned(distance: Distance, pose: Pose) -> Distance:
     """A distance given in the place at t = 0, in the pose."""
-    if pose.back == 0.0:
+    if not any(pose.set_back):
         return lambda x: distance((x - pose.t) @ pose.R)
     return lambda x: distance((x - pose.t) @ pose.R) + pose.back
 

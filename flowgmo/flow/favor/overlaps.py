@@ -38,7 +38,8 @@ class Posed:
 
 def _turned(own: tuple, pose: Pose) -> tuple:
     """Sheets in their pose; boxes are those that hold the turned ones."""
-    R, t, back = pose
+    R, t, back, set_back = pose
+    back *= any(set_back)
     n = own.n @ R.T
 
     def boxes(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
