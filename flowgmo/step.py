@@ -201,6 +201,7 @@ def start_liquid(world: World, state: State) -> None:
         state.fluid = initial_flow(world.liquid, world.model)
         if world.wet_bodies is not None:
             world.wet_bodies.records.at_start(state.fluid, state.p_WB)
+            state.fluid.start_energy += world.wet_bodies.records.around_balls(state.fluid)
         if world.momentum is not None:
             world.momentum.open(state)
     world.liquid.take_moments(state.fluid)
@@ -264,6 +265,8 @@ def liquid_values(world: World, state: State) -> dict:
         wet = world.wet_bodies
         kinetic, momentum = wet.records.carried_along(state, wet.middles(poses_of(state)))
         values = values | wet.records.wet_parts(flow, wet.names, state.p_WB)
+        if around := wet.records.around_balls(flow):
+            values["fluid/potential_energy"] += around
         values = values | wet_energy(world, state, values, kinetic)
         if world.momentum is not None:
             values = values | world.momentum.values(state, momentum)

@@ -19,6 +19,7 @@ from flowgmo.bodies.energy import rotation_matrices
 from flowgmo.bodies.kicks import control_loads_at
 from flowgmo.bodies.laws import Laws
 from flowgmo.flow.immersed.body_fluxes import cross
+from flowgmo.flow.observe.beside_balls import around_balls
 from flowgmo.flow.observe.beside_bodies import beside_bodies
 from flowgmo.flow.observe.body_loads import BodyLoads, pressure_loads, resting_fluxes, wetted_area
 from flowgmo.flow.observe.buoyancy import buoyancy_centre
@@ -115,6 +116,14 @@ class WetLoads:
         of = around.covers.covers, state.fluid, around.covers.open, liquid.grid, around.centres
         kinetic, momentum = beside_bodies(*of, state.p_WB[m], U, middles)
         return liquid.plan.rho * kinetic, liquid.plan.rho * momentum
+
+    def around_balls(self, flow: object) -> float:
+        """Potential energy that the liquid around balls within a cell has beyond what the gauges find
+        (flow/observe/beside_balls.py)."""
+        around = self.liquid.immersed
+        of = around.covers.covers, flow, around.covers.open, self.liquid.grid, around.centres
+        planes = None if flow.F is None else self.liquid.planes.at
+        return self.liquid.plan.rho * around_balls(*of, around.gravity, planes)
 
     # ---- work
 

@@ -195,7 +195,8 @@ def _check_thickness(found: Findings, body: Body, mesh: Mesh, points: np.ndarray
         found.notice(
             *_place(found, body),
             wrong=f"parts of {body.name} are thinner than two cells ({thick.min():.2g} of a cell at the thinnest): "
-            "liquid before and behind them shares cells, so that differences of pressure across them are lost",
+            "liquid before and behind them shares cells, so that differences of pressure across them and inertia of "
+            "the liquid around them are lost; of round parts that are no ball also lift, below half a cell nearly all",
             write="Write smaller cells there",
         )  # fmt: skip
 

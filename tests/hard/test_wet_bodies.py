@@ -119,7 +119,8 @@ SCENES = {
     "slam_driven": (0.01, 1e-4, 6.0),  # 2e-13, 3e-5, 4; .07 where the plate's velocity counts before the water has it
     "spin": (0.02, 0.005, 60.0),  # 0 (of 601 J), .001, 40: the corners of the box, 76
     "spin_ball": (1e-9, 1e-6, 100.0),  # 3e-14, 2e-12, 70: the ball itself, 104; 2e-8 by round-off of potential energy
-    "tiny": (0.03, 0.02, 3.4),  # .01, .005, 2
+    # .003, .001, 5; .043 where potential energy does not know where in a cell balls are
+    "tiny": (0.03, 0.02, 7.5),
 }
 PLUG_FREE = (0.3, 0.2, 4.5)  # .07 to .21, .06 to .20, 1 to 3 in 28 of 29 draws; .54 in a step of one, by the books
 # a film of less than a cell, squeezed out faster and faster; an overlap of 7e-5 m in one of four draws, else 2e-11

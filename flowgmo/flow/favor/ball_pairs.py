@@ -10,14 +10,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flowgmo.flow.favor.ball_cut import cover_cells, fits
+from flowgmo.flow.favor.ball_cut import cover_cells, fits, in_parts
 from flowgmo.flow.favor.near_surface import TOUCHING, Shape, node_planes, reach
 from flowgmo.flow.favor.sheets import is_plain
 from flowgmo.mesh import Block
 
 
-def ball_of(block: Block, shape: Shape) -> np.ndarray | None:
-    """Centre (3), 0 (3), radius [length] of a shape that is a ball and is cut exactly in the block; None of others."""
+def ball_of(block: Block, shape: Shape) -> tuple[np.ndarray, bool] | None:
+    """Centre (3), 0 (3), radius [length] of a shape that is a ball and is cut exactly in the block, and whether in
+    parts (ball_cut.in_parts); None of others."""
     if getattr(shape, "sheets", None) is None or not is_plain(shape) or len(shape.sheets.h):
         return None
     found = getattr(shape, "sheets_by_piece", None)
@@ -25,7 +26,9 @@ def ball_of(block: Block, shape: Shape) -> np.ndarray | None:
         return None
     sheet, (first, past) = found.rounds[0], reach(block.planes, shape.bounds())
     widths = tuple(np.diff(x[a : max(b, a + 1) + 1]) for x, a, b in zip(block.planes, first, past, strict=True))
-    return None if sheet[3:6].any() or not fits(float(sheet[6]), widths) else sheet
+    if sheet[3:6].any() or not fits(float(sheet[6]), widths):
+        return None
+    return sheet, in_parts(float(sheet[6]), widths)
 
 
 def cut_balls(
@@ -40,10 +43,10 @@ def cut_balls(
     halves, least = node_planes(block.planes, 2), TOUCHING * min(np.diff(x).min() for x in block.planes)
     of_pair, exact = np.repeat(np.arange(len(cells)), np.diff(starts)), np.zeros(len(which), bool)
     for b in np.unique(which):
-        sheet = ball_of(block, shapes[b])
-        if sheet is not None:
+        ball = ball_of(block, shapes[b])
+        if ball is not None:
             mine = np.flatnonzero(which == b)
-            cover_cells(cells[of_pair[mine]], *halves, sheet, least, found := np.empty((len(mine), 7)))
+            cover_cells(cells[of_pair[mine]], *halves, *ball, least, found := np.empty((len(mine), 7)))
             covered[mine], exact[mine] = found, True
     some = exact & covered.any(axis=1)
     there = np.bincount(of_pair[covered.any(axis=1)], minlength=len(cells))

@@ -14,7 +14,7 @@ from flowgmo.flow.favor.body_cut import NODES
 from flowgmo.flow.favor.body_fold import SOLID, WITHIN
 from flowgmo.flow.favor.body_paint import count_painted, paint_body
 from flowgmo.flow.favor.body_sheets import Moved
-from flowgmo.flow.favor.body_values import FAR_BEYOND, FAR_WITHIN, balls_fit, cut_body
+from flowgmo.flow.favor.body_values import BY_CHORDS, FAR_BEYOND, FAR_WITHIN, IN_PARTS, cut_body, cut_of_balls
 from flowgmo.flow.favor.convex_cut import cut_convex, paint_convex
 from flowgmo.flow.favor.near_surface import ROUNDING, TOUCHING, near_cells, node_planes, reach
 from flowgmo.flow.fields import G
@@ -32,7 +32,7 @@ class BodyCover(NamedTuple):
     volume that the body covers; runs (m, 2) int64 of cells wholly inside, first and one past the last, ascending, that
     are not among the others. volume [length3] of the body on the mesh. ball (7,): centre, 0 (3), radius [length] of a
     body that is a ball and is cut exactly; planes (m, 4), n (3) and h: of one that is where all of them are negative;
-    None of others."""
+    None of others. small: a ball that may be within a cell."""
 
     numbers: np.ndarray
     shares: np.ndarray
@@ -40,6 +40,7 @@ class BodyCover(NamedTuple):
     volume: float
     ball: np.ndarray | None = None
     planes: np.ndarray | None = None
+    small: bool = False
 
 
 class CoverMesh:
@@ -73,7 +74,7 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
     known = [_curved(mesh, body, cells) if len(cells) else None for body, (cells, _) in zip(bodies, near, strict=True)]
     convex = [_convex(body) for body in bodies]
     covered = [np.empty((len(cells), 7)) for cells, _ in near]
-    balls = [balls_fit(body.rounds, _widths(mesh, body)) if len(body.rounds) else False for body in bodies]
+    balls = [cut_of_balls(body.rounds, _widths(mesh, body)) if len(body.rounds) else BY_CHORDS for body in bodies]
     jobs = [(n, k) for n, (cells, _) in enumerate(near) for k in range(0, len(cells), SHARED)]
 
     def cut(jobs: list, first: int, last: int) -> None:
@@ -92,17 +93,17 @@ def cover_bodies(mesh: CoverMesh, bodies: Sequence[Moved]) -> list[BodyCover]:
         mesh.team.run_rows(cut, jobs, WORTHWHILE)
     found = [_collect(mesh, cells, of_body, runs) for (cells, runs), of_body in zip(near, covered, strict=True)]
     return [
-        BodyCover(numbers, shares, runs, volume, _ball(body, exact), planes)
-        for (numbers, shares, volume), (_, runs), body, exact, planes in zip(
+        BodyCover(numbers, shares, runs, volume, _ball(body, how), planes, how == IN_PARTS)
+        for (numbers, shares, volume), (_, runs), body, how, planes in zip(
             found, near, bodies, balls, convex, strict=True
         )
     ]
 
 
-def _ball(body: Moved, exact: bool) -> np.ndarray | None:
-    """The round sheet (7,) of a body that is nothing else; exact: of balls_fit."""
+def _ball(body: Moved, how: int) -> np.ndarray | None:
+    """The round sheet (7,) of a body that is nothing else; how: of cut_of_balls."""
     alone = len(body.rounds) == 1 and not len(body.planes) and not body.curved and body.side.tolist() == [[WITHIN]]
-    return body.rounds[0] if exact and alone else None
+    return body.rounds[0] if how != BY_CHORDS and alone else None
 
 
 def _convex(body: Moved) -> np.ndarray | None:

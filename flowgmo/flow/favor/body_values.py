@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowgmo.flow.favor.ball_cut import cover_cell, fits, scratch
+from flowgmo.flow.favor.ball_cut import cover_cell, fits, in_parts, scratch
 from flowgmo.flow.favor.body_cells import NOWHERE, cover_parts, load_cell
 from flowgmo.flow.favor.body_cut import NODES, cover_by_one
 from flowgmo.flow.favor.body_fold import BEYOND, CUT, MOST_PIECES, SOLID, WITHIN, Fold, choose_pieces
@@ -22,6 +22,7 @@ from flowgmo.kernel import free_kernel, inner
 
 PLANE = 4  # numbers of a plane: n (3), h
 ROUND = 7  # numbers of a round sheet: c (3), a (3), r
+BY_CHORDS, WHOLE, IN_PARTS = 0, 1, 2  # how balls are cut
 FAR_WITHIN, FAR_BEYOND = -1, -2  # in place of a row: the sheet is farther from a cell than its corners
 
 
@@ -121,10 +122,13 @@ def _known_values(at, known, own, least, out, row):
     return positive
 
 
-def balls_fit(rounds: np.ndarray, widths: tuple[np.ndarray, ...]) -> bool:
-    """Whether all balls among round sheets (q, 7) are cut exactly in cells of these widths [length]."""
+def cut_of_balls(rounds: np.ndarray, widths: tuple[np.ndarray, ...]) -> int:
+    """How balls among round sheets (q, 7) are cut in cells of these widths [length]: BY_CHORDS, or all of them exactly,
+    WHOLE or IN_PARTS (ball_cut.py)."""
     radii = rounds[~rounds[:, 3:6].any(axis=1), 6]
-    return len(radii) > 0 and all(fits(float(radius), widths) for radius in radii)
+    if not len(radii) or not all(fits(float(radius), widths) for radius in radii):
+        return BY_CHORDS
+    return IN_PARTS if any(in_parts(float(radius), widths) for radius in radii) else WHOLE
 
 
 @inner
@@ -138,7 +142,7 @@ def cut_body(cells, x, y, z, planes, rounds, balls, side, roles, least, rows, at
     """covered (c, 7) of cells (c, 3) [without ghosts]: six faces, then volume [-].
 
     x, y, z: planes of half cells; side (p, s), roles (p,): the body's pieces by its sheets, planes (m, 4), rounds (q,
-    7), then those of rows; balls: whether balls are cut exactly where nothing else reaches; least [length]: a distance
+    7), then those of rows; balls: of cut_of_balls, where nothing else reaches; least [length]: a distance
     that counts as 0. rows (., c): for each sheet that is neither plane nor round the row of each cell in at (., NODES),
     numbers of its nodes in known (v,) [length]; FAR_WITHIN where the cell lies far on its negative side, FAR_BEYOND on
     the other.
@@ -166,8 +170,13 @@ def cut_body(cells, x, y, z, planes, rounds, balls, side, roles, least, rows, at
             flat += 1
         step = 2 if used == flat else 1
         alone = n == 1 and base == 0 and roles[chosen[0]] == SOLID
-        if balls and alone and used == 1 and _is_ball(rounds, side[chosen[0], sheet[0]], sheet[0] - len(planes)):
-            cover_cell(ball, rounds[sheet[0] - len(planes)], x, y, z, cells[c], least, covered[c])
+        if (
+            balls != BY_CHORDS
+            and alone
+            and used == 1
+            and _is_ball(rounds, side[chosen[0], sheet[0]], sheet[0] - len(planes))
+        ):
+            cover_cell(ball, rounds[sheet[0] - len(planes)], balls == IN_PARTS, x, y, z, cells[c], least, covered[c])
             continue
         loaded = np.int64(0 if alone or base == 1 else NOWHERE)
         own = np.int64(0)

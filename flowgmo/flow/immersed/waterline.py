@@ -79,8 +79,12 @@ def _by_plane(faces, covered, d, up, h):
 @inner
 def _by_ball(cut, R, covered, d, up, h, out):
     """C(h) of a ball of radius R [length] in the cell cut.q; out (7,): scratch."""
-    cover_by_ball(cut, R, 0.0, out)
-    whole, tall = out[6], cut.q[d, 1] - cut.q[d, 0]
+    size, tall = 0.0, cut.q[d, 1] - cut.q[d, 0]
+    for e in range(3):
+        size += (cut.q[e, 1] - cut.q[e, 0]) ** 2
+    parts = R * R < 0.25 * size
+    cover_by_ball(cut, R, parts, 0.0, out)
+    whole = out[6]
     if not whole > 0.0:
         return covered * h
     if up > 0.0:
@@ -89,7 +93,7 @@ def _by_ball(cut, R, covered, d, up, h, out):
         cut.q[d, 0] = cut.q[d, 1] - h * tall
     if not cut.q[d, 0] < cut.q[d, 1]:  # by less than rounding
         return 0.0
-    cover_by_ball(cut, R, 0.0, out)
+    cover_by_ball(cut, R, parts, 0.0, out)
     return min(covered / whole * h * out[6], covered)
 
 

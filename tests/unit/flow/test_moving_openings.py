@@ -266,7 +266,9 @@ def test_poses_that_change_in_place():
 def test_balls_and_cylinders_are_found_by_their_distance(shape, monkeypatch):
     """Their closed forms give the shares that their distances at nodes give: 4.7e-14 of a face measured."""
     block, at = graded_block(15), pose((0.5, 0.5, 0.5), (20, 30, 40))
-    monkeypatch.setattr(body_cover, "balls_fit", lambda *a: False)  # exact cuts are not those of values at nodes
+    monkeypatch.setattr(
+        body_cover, "cut_of_balls", lambda *a: body_cover.BY_CHORDS
+    )  # exact cuts are not those of values at nodes
     found = body_sheets.Body(shape)
     assert found.exact
     assert not found.curved
