@@ -37,7 +37,7 @@ from flowgmo.flow.immersed.crossings import mend_crossings
 from flowgmo.flow.immersed.fresh import mean_around
 from flowgmo.flow.immersed.friction import Friction
 from flowgmo.flow.immersed.moving_walls import spin_resistance, wall_faces
-from flowgmo.flow.immersed.narrow_faces import NARROW, NarrowFaces, reach_slits
+from flowgmo.flow.immersed.narrow_faces import JET, NARROW, NarrowFaces, reach_slits, still_going
 from flowgmo.flow.immersed.short_cells import ShortCells
 from flowgmo.flow.immersed.torn import Around, torn
 from flowgmo.flow.immersed.volume_change import VolumeChange
@@ -146,8 +146,11 @@ class Immersed:
         self.beyond = np.zeros(len(swept.V0))
         if flow.F is not None:
             self.beyond = np.maximum(flow.F[rows] - 1.0, 0.0) * (self.change.most - swept.V0) * volumes
-        self._find_faces(flow, places, velocities)
+        self._find_faces(flow, places, velocities, dt)
         self.hold(flow.velocity)
+        for u, going in zip(flow.velocity, self.going, strict=True):
+            if u is not None:
+                u.reshape(-1)[going[0]] = going[1]
         self._renew_at_mean(partial(self._find_fluxes, flow, places, centres))
         self.pushed = None if flow.F is not None else self._pushed_out(velocities)
 
@@ -269,30 +272,46 @@ class Immersed:
                 mean += self.weight[d] * (x[at[:, d]] - mean_around(None, V, at, along=(d, x), ghosts=False)[0])
         p[rows] = np.where(sums > 0.0, mean, p[rows])
 
-    def _find_faces(self, flow: Flow, places: np.ndarray, velocities: np.ndarray) -> None:
-        """Faces that bodies cover: their own velocity on closed ones; on those that open, that of what is around."""
+    def _find_faces(self, flow: Flow, places: np.ndarray, velocities: np.ndarray, dt: float) -> None:
+        """Faces that bodies cover: their own velocity on closed ones; on those that open, that of what is around; in
+        slits that prescribed bodies shut, what is left of the liquid's (narrow_faces.py)."""
         self.held: list[tuple | None] = []
+        self.going: list[tuple | None] = []  # numbers of slits (n,) that prescribed bodies shut, u of their jets now
+        covered = [self._covered_faces(d, places, velocities) for d in range(3)]
+        fastest = max(np.abs(speed[driven]).max(initial=0.0) for _, speed, driven in covered)
         for d, u in enumerate(flow.velocity):
             if u is None:
                 self.held.append(None)
+                self.going.append(None)
                 continue
-            faces, speed = self._covered_faces(d, places, velocities)
+            faces, speed, driven = covered[d]
             before, mean = self.covers.open[1 + d], self.open[1 + d].reshape(-1)[faces]
             opens = np.flatnonzero((before.reshape(-1)[faces] == 0.0) & (mean > 0.0))
             at = np.column_stack(np.unravel_index(faces[opens], u.shape))
             around, weight = mean_around(u, before, at, open_or_not=True)
             u.reshape(-1)[faces[opens]] = np.where(weight > 0.0, around, speed[opens])
             shut = np.flatnonzero(mean <= NARROW)
+            squeezed = shut[driven[shut] & self.narrow.closing(d, faces[shut], before)]
+            relative = u.reshape(-1)[faces[squeezed]] - speed[squeezed]
+            squeezed = squeezed[np.abs(relative) > JET * fastest]
+            at, going = np.unravel_index(faces[squeezed], u.shape)[d], u.reshape(-1)[faces[squeezed]]
+            apart = 0.5 * (self.grid[d][at] + self.grid[d][at + 1])
+            self.going.append((faces[squeezed], going))
+            speed[squeezed] += still_going(going - speed[squeezed], apart, dt)
             self.held.append((faces[shut], speed[shut], (mean[shut] > 0.0).astype(float)))
 
-    def _covered_faces(self, d: int, places: np.ndarray, velocities: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the faces along d that bodies cover (wholly or in part), and the bodies' velocity there."""
+    def _covered_faces(
+        self, d: int, places: np.ndarray, velocities: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Numbers of the faces along d that bodies cover (wholly or in part), the bodies' velocity there, and whether
+        it is prescribed."""
         most = 2 * sum(len(shares.cells) for shares in self.shares)
-        faces, speeds, count = np.empty(most, np.int64), np.empty(most), 0
-        for shares, place, U in zip(self.shares, places, velocities, strict=True):
-            of_body = shares.cells, shares.faces, place, U, *self.centres
+        faces, speeds, driven, count = np.empty(most, np.int64), np.empty(most), np.zeros(most, bool), 0
+        for shares, place, U, solved in zip(self.shares, places, velocities, self.solved, strict=True):
+            of_body, first = (shares.cells, shares.faces, place, U, *self.centres), count
             count = covered_faces(np.int64(d), *of_body, np.int64(count), faces, speeds)
-        return faces[:count], speeds[:count]
+            driven[first:count] = not solved
+        return faces[:count], speeds[:count], driven[:count]
 
     def hold(self, velocity: Sequence[np.ndarray | None], pull: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Closed and narrow faces have the velocity of the body that covers them; narrow ones also what gravity adds,
