@@ -32,7 +32,7 @@ def build_model(deck: Deck, folder: Path | None = None) -> Model:
     bodies = tuple(build_body(found, m, mesh.bounds) for m in range(1, int(deck["NOBS"]) + 1))
     if found.problems:
         raise DeckError(found.problems, found.notices)
-    bodies = with_least_mass(found, bodies)
+    bodies = with_least_mass(found, mesh, bodies)
     contacts = build_contacts(found, bodies, mesh)
     fluid = build_fluid(found, mesh, bodies)
     if found.problems:
