@@ -6,6 +6,8 @@ surface   a ball that floats, 10, 20, 40 cells across in one tank: cells that ar
           fractions and microseconds for each of those cells, which should not grow
 cycles    V-cycles a step of 1, 20, 50 spheres let go, by their density over the liquid's, under a surface and in a full
           tank: mean, most
+impacts   the same of spheres that meet walls and each other in a full tank, with their added masses: of all steps, and
+          of those with impacts
 mass      V-cycles that the added mass of a body asks for where it is hit
 """
 
@@ -101,6 +103,24 @@ def cycles() -> None:
             row(f"{n}, {'full tank' if full else 'surface'}", *(f"{np.mean(x):.1f} {max(x)}" for x in found))
 
 
+def impacts() -> None:
+    title("V-cycles a step where spheres meet walls and each other: mean, most; mean of steps with impacts")
+    row("spheres", *(f"r {ratio:g}" for ratio in RATIOS))
+    for n, steps in ((1, 120), (20, 60)):
+        found = []
+        for ratio in RATIOS:
+            text = spheres(n, ratio, full=True, across=ACROSS[n], xput="iclid=1, strngmob=.5, frcmob=0.,")
+            scene, each, hit = Counted(text, default_threads()), [], []
+            while len(each) < steps and scene.state.t < scene.world.model.clock.end:
+                before = scene.state.impacts
+                scene.step()
+                each.append(scene.cycles)
+                hit.append(scene.state.impacts > before)
+            with_impacts = np.mean(np.array(each)[hit]) if any(hit) else 0.0
+            found.append(f"{np.mean(each):.1f} {max(each)}; {with_impacts:.0f}")
+        row(str(n), *found)
+
+
 def mass() -> None:
     title("V-cycles of one body's added mass")
     row("", "columns", "V-cycles", "a column")
@@ -115,7 +135,7 @@ def mass() -> None:
 
 
 def main(arguments: list[str]) -> None:
-    parts = {"fixed": fixed, "surface": surface, "cycles": cycles, "mass": mass}
+    parts = {"fixed": fixed, "surface": surface, "cycles": cycles, "impacts": impacts, "mass": mass}
     for name in arguments or parts:
         parts[name]()
 
