@@ -50,6 +50,7 @@ from flowgmo.wet_explicit import Explicit
 from flowgmo.wet_foresight import expected_motion, next_rates
 from flowgmo.wet_impacts import WetImpacts
 from flowgmo.wet_loads import WetLoads
+from flowgmo.wet_seams import SEAM, faces_set_back
 from flowgmo.wet_shapes import axis_of, ball_centre
 from flowgmo.wet_stops import let_go
 from flowgmo.wet_ways import Ways
@@ -59,8 +60,6 @@ if TYPE_CHECKING:
     from flowgmo.film import Film, StepFilms
 
 EDGE = 0.1  # of a cell: of bodies from a hundredth of the liquid's density on nothing is taken away
-SEAM = 1e-6  # of a cell: far above rounding, and what it takes of a body's volume far below what buoyancy may miss
-DOWN = 0.5  # cosine to gravity: faces that lie on something
 SLACK = 1e-3  # of the speed that gravity gives in a step: an approach that a contact row may leave
 MOST_TURNS = 6  # solutions in a step in which the contacts that press have changed
 
@@ -110,7 +109,7 @@ class WetBodies:
     def stand(self, motion: np.ndarray, parts: np.ndarray, values: np.ndarray) -> None:
         """Before the first step: the open fractions are those of the poses motion (n,) POSE, t = 0 or of a file; parts,
         values: of contacts that are kept, as in the state."""
-        self._stand_back(motion, parts, values)
+        self.set_back = faces_set_back(self, motion, parts, values)
         self.liquid.immersed.covers.sweep(self.poses(motion))
         self.liquid.immersed.settle()
 
@@ -126,7 +125,7 @@ class WetBodies:
         then = self.poses_then(told, t0, t1)
         middle = self.poses_then(told, t0, 0.5 * (t0 + t1))
         m = self.movers
-        self._stand_back(motion, state.held_parts, state.held_values)
+        self.set_back = faces_set_back(self, motion, state.held_parts, state.held_values)
         fastest = max(self.in_sight, self.ways.check(motion, then, dt))
         places = 0.5 * (motion["p"][m] + then["p"][m])
         self.velocities = np.hstack([then["v"][m], then["w"][m]])
@@ -138,30 +137,6 @@ class WetBodies:
         self.liquid.find_columns(flow.F, self.liquid.immersed.uncovered)
         self._meet_walls(flow, motion, t0, t1, places, held)
         self.liquid.immersed.fill_short(self.liquid.team, self.liquid.faces, self.liquid.lines, flow, dt)
-
-    def _stand_back(self, motion: np.ndarray, parts: np.ndarray, values: np.ndarray) -> None:
-        """Coupled bodies have liquid between each other, and under faces that lie on something or are pressed there by
-        the contacts parts (m, 4) and values (m, 9) of the state: gaps of SEAM. Not those wedged between two walls: they
-        may be a plug.
-
-        A contact rests with a gap of 1e-9 of a body's size, or none, by rounding: with none the cells under a brick are
-        closed, and nothing presses it from below (-70 N where 23.5 hold up a brick of 37.7 N, by their depth).
-        """
-        self.set_back: list[tuple[bool, ...]] = [()] * len(self.movers)
-        normal, down = values[:, 3:6], np.asarray(self.model.gravity) / max(np.linalg.norm(self.model.gravity), 1e-300)
-        pressed = (values[:, 6:9] * normal).sum(axis=1) > 0.0
-        both = np.isin(parts[:, :2], self.coupled).all(axis=1)
-        for b in self.coupled[np.isin(self.coupled, parts[:, :2])]:
-            k = self.place[int(b)]
-            if self.balls[k] is not None:
-                continue
-            side = np.where(parts[:, 0] == b, -1.0, np.where(parts[:, 1] == b, 1.0, 0.0))
-            outward = side[:, None] * normal
-            walls = outward[pressed & ~both]
-            wedged = (outward @ walls.T < -DOWN).any(axis=1)
-            some = both | (outward @ down > DOWN) | (pressed & ~wedged)
-            R = rotation_matrices(motion["q"][b : b + 1])[0]
-            self.set_back[k] = self.liquid.immersed.covers.faces_towards(k, R, outward[some & (side != 0.0)])
 
     def _bound_edges(self, dt: float) -> None:
         """What the waterline adds to the load of a body (waterline.py) has no liquid in the pressure equation whose
