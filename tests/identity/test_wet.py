@@ -34,7 +34,7 @@ def plain():
 
 
 def test_two_threads_are_one_bit_for_bit(plain, monkeypatch):
-    monkeypatch.setattr(flowgmo.flow.team, "WORTHWHILE", 50)  # so that small jobs are shared too
+    monkeypatch.setattr(flowgmo.flow.team, "WORTHWHILE", 0)  # so that small jobs are shared too
     for a, b in zip(arrays(plain[1]), arrays(after(dam(), threads=2)[1]), strict=True):
         assert np.array_equal(a, b)
 
@@ -116,7 +116,7 @@ def test_voids_under_a_lid_in_other_units_and_threads(monkeypatch):
         assert there / time == t
         assert np.array_equal(two.F, one.F)
         assert np.array_equal(two.p, one.p * (size / time) ** 2)
-    monkeypatch.setattr(flowgmo.flow.team, "WORTHWHILE", 50)
+    monkeypatch.setattr(flowgmo.flow.team, "WORTHWHILE", 0)
     for a, b in zip(arrays(one), arrays(after(lid(), threads=2)[1]), strict=True):
         assert np.array_equal(a, b)
 
@@ -154,7 +154,7 @@ def test_one_layer_with_two_threads_is_one_bit_for_bit(monkeypatch):
     text = layer("twfin=1., delt=.005, itb=1, gz=-10., gx=3.,")
     _, one = after(text)
     assert (one.moments[..., 0] > 0.0).any()  # a thread is known
-    monkeypatch.setattr(flowgmo.flow.team, "WORTHWHILE", 50)
+    monkeypatch.setattr(flowgmo.flow.team, "WORTHWHILE", 0)
     _, two = after(text, threads=2)
     for a, b in zip([*arrays(one), one.moments], [*arrays(two), two.moments], strict=True):
         assert np.array_equal(a, b)

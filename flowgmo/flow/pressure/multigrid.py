@@ -24,8 +24,9 @@ from flowgmo.flow.fields import G
 from flowgmo.flow.layers import join_cells
 from flowgmo.flow.pressure.multigrid_cycle import SWEEPS, WORDS, begin, cycle_below, prolong, restrict, smooth
 from flowgmo.flow.pressure.multigrid_matrix import coarsen, complete, held_shares, invert, single
-from flowgmo.flow.team import WORTHWHILE, Team
+from flowgmo.flow.team import Team
 
+FEW = 8000  # cells of a level, with all below it, that are one call
 SMALLEST = 64  # cells of the coarsest level
 LONG = 1.5  # a direction is coarsened while its cells are shorter than this times the shortest
 
@@ -147,7 +148,7 @@ class Multigrid:
     def _gather(self) -> None:
         """The table of the levels that are too small for threads."""
         n = len(self.levels)
-        self.small = next((d for d in range(1, n) if cells_in(self.levels[d].columns) < 2 * WORTHWHILE), n)
+        self.small = next((d for d in range(1, n) if cells_in(self.levels[d].columns) < FEW), n)
         small = self.levels[self.small :]
         rows = np.cumsum([0] + [len(level.columns) for level in small])
         self.table = np.array(

@@ -67,7 +67,8 @@ class Planes:
     def _find(self, team: Team, columns: np.ndarray, F: np.ndarray, opened: Open, lines: np.ndarray | None) -> None:
         team.run_uneven(find_planes, columns, F, opened.V, self.steps, lines, self.moments, self.at)
         if lines is not None:
-            team.run_uneven(find_planes_at_solids, columns, F, opened, self.steps, lines, self.at)
+            near = columns[lines[columns[:, 0], columns[:, 1]] != 0]
+            team.run_uneven(find_planes_at_solids, near, F, opened, self.steps, self.at)
 
     def are_of(self, F: np.ndarray) -> bool:
         """Whether they were found for this F, and nothing has been forgotten since."""

@@ -238,12 +238,10 @@ def find_planes(columns, first, last, F, V, steps, lines, moments, planes):
 
 
 @flow_kernel
-def find_planes_at_solids(columns, first, last, F, opened, steps, lines, planes):
+def find_planes_at_solids(columns, first, last, F, opened, steps, planes):
     """The same of those that are near solids."""
     for c in range(first, last):
         i, j, k0, k1 = columns[c, 0], columns[c, 1], columns[c, 2], columns[c, 3]
-        if lines[i, j] == 0:
-            continue
         for k in range(k0, k1):
             if is_mixed(F[i, j, k]) and near_solids(opened.V, i, j, k):
                 m, planes[i, j, k, 3] = plane_at_solids(F, opened, steps, i, j, k)

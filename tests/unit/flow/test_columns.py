@@ -85,16 +85,16 @@ def test_what_left_is_zero_and_what_stayed_is_kept(seed):
 
 
 def test_threads_do_every_column_once_and_keep_their_shares(monkeypatch):
-    monkeypatch.setattr("flowgmo.flow.team.WORTHWHILE", 10)
+    monkeypatch.setattr("flowgmo.flow.team.WORTHWHILE", 0)
     team, a = Team(3), np.zeros(SHAPE)
     columns = all_columns(SHAPE)
-    assert len(team.parts(columns)) == 3
+    assert len(team.parts(columns, 3)) == 3
     team.run(fill, columns, 1.0, a)
     assert a.sum() == a[REAL].size
     for n in range(2 * REMEMBERED):  # other tables, often where an old one lay in memory
         some = columns[: 5 + n % 30].copy()
-        assert team.parts(some)[-1][1] == len(some)
-    assert team.parts(columns)[-1][1] == len(columns)
+        assert team.parts(some, 3)[-1][1] == len(some)
+    assert team.parts(columns, 3)[-1][1] == len(columns)
 
 
 def test_an_error_of_any_thread_is_raised_and_the_team_works_on():

@@ -18,7 +18,7 @@ def uneven_columns():
 
 
 def test_every_column_is_done_once_however_it_is_shared(monkeypatch):
-    monkeypatch.setattr("flowgmo.flow.team.WORTHWHILE", 100)
+    monkeypatch.setattr("flowgmo.flow.team.WORTHWHILE", 0)
     columns = uneven_columns()
     for threads in (1, 2, 3):
         team = Team(threads)
@@ -26,13 +26,13 @@ def test_every_column_is_done_once_however_it_is_shared(monkeypatch):
             seen = np.zeros(len(columns), int)
             run(fill, columns, seen)
             assert (seen == 1).all()
-        assert len(team.parts(columns, PIECES)) == (PIECES * threads if threads > 1 else 1)
+        assert len(team.parts(columns, PIECES * threads)) == PIECES * threads
 
 
 def test_short_columns_count_more_than_their_cells():
     """Halves of equal cost, not of equal cells: by cells the half with the puddle took 1.4 times its time."""
     columns = uneven_columns()
-    (_, cut), _ = Team(2).parts(columns)
+    (_, cut), _ = Team(2).parts(columns, 2)
     cost = [cells_in(part) + COLUMN * len(part) for part in (columns[:cut], columns[cut:])]
     assert abs(cost[0] - cost[1]) <= 40 + COLUMN  # one column
     assert cells_in(columns[:cut]) > 1.2 * cells_in(columns[cut:])  # 1.7; by cells it would be 1.0
