@@ -1,6 +1,9 @@
 """How work is shared among threads."""
 
+import math
+
 import numpy as np
+import pytest
 
 from flowgmo.flow.columns import cells_in
 from flowgmo.flow.team import COLUMN, PIECES, Team
@@ -27,6 +30,23 @@ def test_every_column_is_done_once_however_it_is_shared(monkeypatch):
             run(fill, columns, seen)
             assert (seen == 1).all()
         assert len(team.parts(columns, PIECES * threads)) == PIECES * threads
+
+
+@pytest.mark.parametrize("worthwhile, shared", [(math.inf, False), (0.0, True)])
+def test_what_took_too_short_a_time_is_done_by_one(monkeypatch, worthwhile, shared):
+    monkeypatch.setattr("flowgmo.flow.team.WORTHWHILE", worthwhile)
+    calls = []
+
+    def note(columns, first, last):
+        calls.append((first, last))
+
+    team, columns = Team(2), uneven_columns()
+    for run in (team.run, team.run_uneven):
+        run(note, columns)  # nothing is known of it yet, or what was known is used
+        calls.clear()
+        run(note, columns)
+        assert (len(calls) > 1) == shared
+        assert sum(b - a for a, b in calls) == len(columns)
 
 
 def test_short_columns_count_more_than_their_cells():
